@@ -2,6 +2,7 @@
 #include "core/accuracy/frame_prediction.h"
 
 #include "core/accuracy/synthetic_response.h"
+#include "core/base/try.h"
 #include "core/character/touch_job.h"
 #include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
@@ -17,8 +18,7 @@ constexpr double kPredictionSeconds = 0.1;
 Result<double> predictFrame(const CharacterInput& input, const Progress& progress) {
     CharacterInput synthetic = withSyntheticResponses(input);
     synthetic.effects.erase<TouchEffect>();
-    auto character = Character::build(std::move(synthetic));
-    if (!character) return tl::unexpected(character.error());
+    IMOMUSHI_TRY(auto character, Character::build(std::move(synthetic)));
     TestMotion motion(input.skeleton);
     Pose pose = restPose(input.skeleton);
     double at = 0.0;
@@ -26,8 +26,8 @@ Result<double> predictFrame(const CharacterInput& input, const Progress& progres
     const double ms = quietSpreads(kPredictionSeconds,
                                    {[&] {
                                        motion.move(at += 0.013);
-                                       character->solvePose(motion.goals, pose);
-                                       character->update(pose, 1.0 / 60.0);
+                                       character.solvePose(motion.goals, pose);
+                                       character.update(pose, 1.0 / 60.0);
                                    }},
                                    progress)[0].median;
     if (progress.cancelled()) return fail(kCancelled, "The prediction was cancelled.");

@@ -8,6 +8,7 @@
 #include "core/accuracy/study_frames.h"
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
+#include "core/base/try.h"
 #include "core/character/previous_model_job.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
@@ -45,17 +46,16 @@ Result<Growth> grow(int step, double power, double seconds, const Progress& prog
     for (int around = 24; progress.cancelled() || fails == 0 || fails - fits > std::max(step, fits / 50);) {
         if (progress.cancelled()) return growthCancelled();
         if (!out.points.empty() && secondsSince(start) > seconds) break;
-        const auto point = measure(around);
-        if (!point) return tl::unexpected(point.error());
-        out.points.push_back(*point);
-        (point->frameMs <= kFrameMs ? fits : fails) = around;
-        if (point->frameMs <= kFrameMs) out.most = std::max(out.most, point->vertices);
+        IMOMUSHI_TRY(const auto point, measure(around));
+        out.points.push_back(point);
+        (point.frameMs <= kFrameMs ? fits : fails) = around;
+        if (point.frameMs <= kFrameMs) out.most = std::max(out.most, point.vertices);
         if (fits == 0) break;
         if (fails > 0)
             around = (fits + fails) / 2 / step * step;
         else
             // A little beyond what should still fit.
-            around = std::clamp(static_cast<int>(1.08 * around * std::pow(kFrameMs / point->frameMs, 1.0 / power)), around + step, 4 * around) / step * step;
+            around = std::clamp(static_cast<int>(1.08 * around * std::pow(kFrameMs / point.frameMs, 1.0 / power)), around + step, 4 * around) / step * step;
         if (around <= fits) break;
         progress.report("measure", std::min(0.95, secondsSince(start) / seconds));
     }
@@ -71,9 +71,8 @@ Result<Growth> growProposed(int threads, double seconds, const Progress& progres
         CharacterInput input = paperCaterpillar(around);
         const int vertices = verticesOf(input);
         input.threads = threads;
-        auto character = Character::build(withSyntheticResponses(std::move(input)));
-        if (!character) return tl::unexpected(character.error());
-        return Growth::Point{vertices, frameMs(*character, progress)};
+        IMOMUSHI_TRY(auto character, Character::build(withSyntheticResponses(std::move(input))));
+        return Growth::Point{vertices, frameMs(character, progress)};
     });
 }
 
@@ -84,9 +83,8 @@ Result<Growth> growPrevious(double seconds, const Progress& progress) {
         // Elements 0, 1, 3 and 4 are the same body.
         for (const std::size_t e : {0, 2}) input.elements[e].response = syntheticResponse(*input.elements[e].mesh, input.elements[e].faces, BasisKind::Full, false);
         for (const std::size_t e : {1, 3, 4}) input.elements[e].response = input.elements[0].response;
-        auto model = PreviousModel::build(std::move(input), progress);
-        if (!model) return tl::unexpected(model.error());
-        return Growth::Point{vertices, frameMs(model->character(), progress)};
+        IMOMUSHI_TRY(auto model, PreviousModel::build(std::move(input), progress));
+        return Growth::Point{vertices, frameMs(model.character(), progress)};
     });
 }
 
@@ -99,8 +97,7 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
     PreviousModelEffect settings;
     input.effects.set(settings);
     const Skeleton skeleton = input.skeleton;
-    auto character = Character::build(std::move(input));
-    if (!character) return tl::unexpected(character.error());
+    IMOMUSHI_TRY(auto character, Character::build(std::move(input)));
     const Pose rest = restPose(skeleton);
     Pose pulled = rest;
     for (std::size_t p = 0; p < pulled.points.size(); ++p) {
@@ -119,19 +116,19 @@ Result<std::vector<Divergence>> previousDivergence(const ComparedModels& models,
             settings.step = one.step;
             CharacterEffects effects;
             effects.set(settings);
-            character->tune(effects);
-            character->stop();
-            character->update(rest, 0.0);
+            character.tune(effects);
+            character.stop();
+            character.update(rest, 0.0);
             const int frames = std::max(kFewestFrames, kSteps >> power);
             for (int frame = 1; frame <= frames && !one.diverged; ++frame) {
-                character->update(pulled, kFrame);
-                one.diverged = (character->stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0;
+                character.update(pulled, kFrame);
+                one.diverged = (character.stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0;
                 one.seconds = frame * kFrame;
                 if (one.diverged) break;
                 for (std::size_t e = 0; e < models.input.elements.size(); ++e) {
                     const Points& body = models.input.elements[e].mesh->body.vertices;
-                    const auto back = character->frame(static_cast<int>(e)).inverse();
-                    const auto surface = character->surface(static_cast<int>(e));
+                    const auto back = character.frame(static_cast<int>(e)).inverse();
+                    const auto surface = character.surface(static_cast<int>(e));
                     const double diagonal = diagonalOf(body);
                     for (Eigen::Index v = 0; v < body.rows(); ++v) {
                         const Vec3 now = Eigen::Map<const Eigen::Vector3f>(surface.positions + 3 * v).cast<double>();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/pose_error.h"
+#include "core/base/try.h"
 
 #include <chrono>
 
@@ -9,16 +10,14 @@ Result<PoseErrors> FullSolutionKeeper::measure(const PoseErrorInput& input, cons
     const std::scoped_lock working(work_);
     if (auto ok = solve(input.reference, progress.part(0.0, 0.97)); !ok) return tl::unexpected(ok.error());
     const auto start = std::chrono::steady_clock::now();
-    auto reference = solution_->in(input.reference.poses, progress.part(0.97, 1.0));
-    if (!reference) return tl::unexpected(reference.error());
-    auto character = Character::build(input.shown);
-    if (!character) return tl::unexpected(character.error());
-    character->update(input.reference.poses.front().pose);
+    IMOMUSHI_TRY(auto reference, solution_->in(input.reference.poses, progress.part(0.97, 1.0)));
+    IMOMUSHI_TRY(auto character, Character::build(input.shown));
+    character.update(input.reference.poses.front().pose);
     PoseErrors out;
-    out.reference = std::move(*reference);
-    out.error = errorOf(*character, out.reference, 0).error();
-    out.field = errorField(*character, out.reference, 0);
-    for (std::size_t e = 0; e < input.shown.elements.size(); ++e) out.shown.push_back(character->positions(static_cast<int>(e)));
+    out.reference = std::move(reference);
+    out.error = errorOf(character, out.reference, 0).error();
+    out.field = errorField(character, out.reference, 0);
+    for (std::size_t e = 0; e < input.shown.elements.size(); ++e) out.shown.push_back(character.positions(static_cast<int>(e)));
     out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     out.bytes = solution_->bytes();
     return out;
@@ -50,9 +49,8 @@ Result<void> FullSolutionKeeper::solve(const ReferenceInput& input, const Progre
     }
     name({});
     solution_.reset();
-    auto solved = FullSolution::build(input, progress);
-    if (!solved) return tl::unexpected(solved.error());
-    solution_.emplace(std::move(*solved));
+    IMOMUSHI_TRY(auto solved, FullSolution::build(input, progress));
+    solution_.emplace(std::move(solved));
     name(key);
     return {};
 }

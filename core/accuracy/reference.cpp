@@ -11,6 +11,7 @@
 
 #include "core/accuracy/machine.h"
 #include "core/base/clock.h"
+#include "core/base/try.h"
 #include "core/character/smooth_joints_job.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
@@ -266,20 +267,18 @@ struct FullSolution::State {
 };
 
 Result<void> FullSolution::State::addPose(const Pose& pose, Reference& out, ErrorSum& coarser, ErrorSum& faces, const Progress& progress) {
-    auto solved = fine.statics(pose, progress);
-    if (!solved) return tl::unexpected(solved.error());
+    IMOMUSHI_TRY(auto solved, fine.statics(pose, progress));
     equilibrium.update(pose);
     if (coarse) {
-        const auto plain = coarse->statics(pose, progress);
-        if (!plain) return tl::unexpected(plain.error());
-        coarser.add(difference(*plain, *solved, seen, equilibrium));
+        IMOMUSHI_TRY(const auto plain, coarse->statics(pose, progress));
+        coarser.add(difference(plain, solved, seen, equilibrium));
     }
-    std::vector<Points> other = *solved;
+    std::vector<Points> other = solved;
     for (std::size_t e = 0; e < smooth.size(); ++e) {
         if (!smooth[e]) continue;
         const auto& element = character.elements[e];
         const auto frame = equilibrium.frame(static_cast<int>(e));
-        Points& own = (*solved)[e];
+        Points& own = solved[e];
         const Eigen::VectorXd x = bulge(element, *smooth[e], *full[e], smoothPart(element, *smooth[e], frame, own));
         const Eigen::VectorXd y = bulge(element, *smooth[e], *full[e], equilibrium.jointParameters(static_cast<int>(e)));
         for (std::size_t k = 0; k < full[e]->freeVertices.size(); ++k) {
@@ -288,8 +287,8 @@ Result<void> FullSolution::State::addPose(const Pose& pose, Reference& out, Erro
             other[e].row(vertex) += (frame.linear() * y.segment<3>(3 * static_cast<Eigen::Index>(k))).transpose();
         }
     }
-    faces.add(difference(other, *solved, seen, equilibrium));
-    out.positions.push_back(std::move(*solved));
+    faces.add(difference(other, solved, seen, equilibrium));
+    out.positions.push_back(std::move(solved));
     return {};
 }
 
@@ -307,39 +306,33 @@ Result<FullSolution> FullSolution::build(const ReferenceInput& input, const Prog
     const auto start = Clock::now();
     CharacterInput plain = withoutEffects(input.character);
     for (auto& e : plain.elements) e.response = nullptr;
-    auto full = solveElements(asked(input.elements, BasisKind::Full, *finest), progress.part(0.0, 0.6));
-    if (!full) return tl::unexpected(full.error());
-    auto fine = fullModel(plain, full->responses, progress);
-    if (!fine) return tl::unexpected(fine.error());
+    IMOMUSHI_TRY(auto full, solveElements(asked(input.elements, BasisKind::Full, *finest), progress.part(0.0, 0.6)));
+    IMOMUSHI_TRY(auto fine, fullModel(plain, full.responses, progress));
     std::optional<PreviousModel> coarse;
     double relative = -1.0;
     std::string how;
     if (*finest != Kind::AsIs) {
-        const auto coarser = solveElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress.part(0.6, 0.7));
-        if (!coarser) return tl::unexpected(coarser.error());
-        auto model = fullModel(plain, coarser->responses, progress);
-        if (!model) return tl::unexpected(model.error());
-        coarse.emplace(std::move(*model));
+        IMOMUSHI_TRY(const auto coarser, solveElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress.part(0.6, 0.7)));
+        IMOMUSHI_TRY(auto model, fullModel(plain, coarser.responses, progress));
+        coarse.emplace(std::move(model));
         how = "A tenth of the difference from the same solution on the bodies as they are, which is what strips and quadratic displacement leave of the error of a plain mesh.";
     } else {
         bool known = true;
-        for (const auto& r : full->responses)
+        for (const auto& r : full.responses)
             if (r) known = known && r->quality.error >= 0.0, relative = std::max(relative, r->quality.error);
         if (!known) relative = -1.0;
         how = known ? "Solved on the bodies as they are, since finer meshes would take too long: the error of the worst element against a coarser mesh; its largest "
                       "error at one vertex is unknown."
                     : "Solved on the bodies as they are, since finer meshes would take too long, and there is no coarser mesh to compare with: its error is unknown.";
     }
-    auto smooth = solveElements(asked(input.elements, kSmooth, *finest), progress.part(0.7, 1.0));
-    if (!smooth) return tl::unexpected(smooth.error());
+    IMOMUSHI_TRY(auto smooth, solveElements(asked(input.elements, kSmooth, *finest), progress.part(0.7, 1.0)));
     CharacterInput soft = plain;
     soft.basis = kSmooth;
     soft.effects.set(SmoothJointsEffect{});
-    for (std::size_t e = 0; e < smooth->responses.size(); ++e) soft.elements[e].response = smooth->responses[e];
-    auto equilibrium = Character::build(std::move(soft));
-    if (!equilibrium) return tl::unexpected(equilibrium.error());
+    for (std::size_t e = 0; e < smooth.responses.size(); ++e) soft.elements[e].response = smooth.responses[e];
+    IMOMUSHI_TRY(auto equilibrium, Character::build(std::move(soft)));
     return FullSolution(std::make_unique<State>(State{std::move(plain), solverMeshName({*finest, 0}), std::move(how), relative, secondsSince(start), seenVertices(input.character),
-                                                      std::move(full->responses), std::move(smooth->responses), std::move(*fine), std::move(coarse), std::move(*equilibrium)}));
+                                                      std::move(full.responses), std::move(smooth.responses), std::move(fine), std::move(coarse), std::move(equilibrium)}));
 }
 
 Result<Reference> FullSolution::in(const std::vector<StandardPose>& poses, const Progress& progress) {
@@ -376,9 +369,8 @@ std::size_t FullSolution::bytes() const {
 }
 
 Result<Reference> buildReference(const ReferenceInput& input, const Progress& progress) {
-    auto solution = FullSolution::build(input, progress.part(0.0, 0.95));
-    if (!solution) return tl::unexpected(solution.error());
-    return solution->in(input.poses, progress.part(0.95, 1.0));
+    IMOMUSHI_TRY(auto solution, FullSolution::build(input, progress.part(0.0, 0.95)));
+    return solution.in(input.poses, progress.part(0.95, 1.0));
 }
 
 }  // namespace imomushi

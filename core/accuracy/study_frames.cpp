@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/accuracy/study_frames.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>

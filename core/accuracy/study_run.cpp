@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "core/accuracy/frame_prediction.h"
@@ -11,6 +10,7 @@
 #include "core/accuracy/study_store.h"
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
+#include "core/base/try.h"
 #include "core/character/smooth_joints_job.h"
 #include "core/character/touch_job.h"
 #include "core/comparison/model_table.h"
@@ -179,9 +179,8 @@ private:
     /// Builds the calibration character: the default setting with synthetic responses, so that its frame takes about as long as the others.
     Result<void> calibrate() {
         CharacterInput c = characterAs(input_, {});
-        auto built = Character::build(withSyntheticResponses(std::move(c)));
-        if (!built) return tl::unexpected(built.error());
-        calibration_.emplace(std::move(*built));
+        IMOMUSHI_TRY(auto built, Character::build(withSyntheticResponses(std::move(c))));
+        calibration_.emplace(std::move(built));
         calibrationFrames_.emplace(*calibration_);
         rescale(quietSpreads(frameSeconds(), {[this] { (*calibrationFrames_)(); }}, progress_)[0].median);
         return {};
@@ -214,31 +213,27 @@ private:
         const auto inputs = solvedAs(input_, p.setting);
         if (p.precomputeBytes > input_.reference.bytes)
             return fail(kNoMemory, "Its precompute would need more memory than a study may take.");
-        auto solved = solutions(inputs, p, progress);
-        if (!solved) return tl::unexpected(solved.error());
+        IMOMUSHI_TRY(auto solved, solutions(inputs, p, progress));
         CharacterInput given = characterAs(input_, p.setting);
-        for (std::size_t e = 0; e < solved->size(); ++e) given.elements[e].response = (*solved)[e];
+        for (std::size_t e = 0; e < solved.size(); ++e) given.elements[e].response = solved[e];
         const auto& poses = input_.reference.poses;
         if (p.setting.previous) {
-            auto model = PreviousModel::build(std::move(given), progress);
-            if (!model) return tl::unexpected(model.error());
-            p.frameBytes = static_cast<double>(model->matrixBytes());
-            return measureFrames(p, model->character(), [&](std::size_t i) -> Result<ErrorSum> {
-                const auto statics = model->statics(poses[i].pose, progress);
-                if (!statics) return tl::unexpected(statics.error());
-                return errorOf(model->character(), *statics, *study_.reference, i);
+            IMOMUSHI_TRY(auto model, PreviousModel::build(std::move(given), progress));
+            p.frameBytes = static_cast<double>(model.matrixBytes());
+            return measureFrames(p, model.character(), [&](std::size_t i) -> Result<ErrorSum> {
+                IMOMUSHI_TRY(const auto statics, model.statics(poses[i].pose, progress));
+                return errorOf(model.character(), statics, *study_.reference, i);
             });
         }
-        auto character = Character::build(std::move(given));
-        if (!character) return tl::unexpected(character.error());
+        IMOMUSHI_TRY(auto character, Character::build(std::move(given)));
         p.frameBytes = 0.0;
-        for (std::size_t e = 0; e < solved->size(); ++e) {
-            const auto memory = character->memory(static_cast<int>(e));
+        for (std::size_t e = 0; e < solved.size(); ++e) {
+            const auto memory = character.memory(static_cast<int>(e));
             p.frameBytes += static_cast<double>(memory.response + memory.surface);
         }
-        return measureFrames(p, *character, [&](std::size_t i) -> Result<ErrorSum> {
-            character->update(poses[i].pose);
-            return errorOf(*character, *study_.reference, i);
+        return measureFrames(p, character, [&](std::size_t i) -> Result<ErrorSum> {
+            character.update(poses[i].pose);
+            return errorOf(character, *study_.reference, i);
         });
     }
 
@@ -249,10 +244,9 @@ private:
             p.errors.clear();
             for (std::size_t i = 0; i < input_.reference.poses.size(); ++i) {
                 if (progress_.cancelled()) return cancelled();
-                const auto one = errorIn(i);
-                if (!one) return tl::unexpected(one.error());
-                p.errors.push_back(one->error());
-                sum.add(*one);
+                IMOMUSHI_TRY(const auto one, errorIn(i));
+                p.errors.push_back(one.error());
+                sum.add(one);
             }
             p.relative = sum.error().relative;
             p.percent = sum.error().percent;
@@ -331,11 +325,9 @@ private:
             given = withSyntheticResponses(std::move(given));
             plain = withSyntheticResponses(std::move(plain));
         }
-        auto on = Character::build(std::move(given));
-        if (!on) return tl::unexpected(on.error());
-        auto off = Character::build(std::move(plain));
-        if (!off) return tl::unexpected(off.error());
-        StudyFrames a(*on, &effect), b(*off);
+        IMOMUSHI_TRY(auto on, Character::build(std::move(given)));
+        IMOMUSHI_TRY(auto off, Character::build(std::move(plain)));
+        StudyFrames a(on, &effect), b(off);
         const auto both = inTurn({[&] { a(); }, [&] { b(); }});
         out.measuredMs = std::max(0.0, both[0].median - both[1].median);
         return out;

@@ -11,6 +11,7 @@
 
 #include "core/base/finite.h"
 #include "core/base/index.h"
+#include "core/base/try.h"
 #include "core/body/body_codec.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
@@ -71,36 +72,34 @@ struct Mended {
 };
 
 Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared, const Progress& progress) {
-    auto surface = mendedBody(prepared, progress);
-    if (!surface) return tl::unexpected(surface.error());
+    IMOMUSHI_TRY(auto surface, mendedBody(prepared, progress));
     Mended out;
-    out.body.mesh = std::move(surface->mesh);
+    out.body.mesh = std::move(surface.mesh);
     if (!sound(out.body))
         return fail("not-mendable", "The mesh cannot be closed as it is: mending leaves flaws; choose a wrapped body, or close it in a modelling program.");
     out.body.bodyVertex.assign(prepared.vertexOf.size(), -1);
     for (std::size_t r = 0; r < prepared.vertexOf.size(); ++r)
-        if (prepared.vertexOf[r] >= 0) out.body.bodyVertex[r] = surface->vertexOf[at(prepared.vertexOf[r])];
-    out.exact = prepared.sameShape && surface->whole;
+        if (prepared.vertexOf[r] >= 0) out.body.bodyVertex[r] = surface.vertexOf[at(prepared.vertexOf[r])];
+    out.exact = prepared.sameShape && surface.whole;
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     auto& issues = out.body.report.issues;
-    issues.insert(issues.begin(), std::make_move_iterator(surface->issues.begin()), std::make_move_iterator(surface->issues.end()));
+    issues.insert(issues.begin(), std::make_move_iterator(surface.issues.begin()), std::make_move_iterator(surface.issues.end()));
     // What a mesh with holes encloses is a guess.
-    if (prepared.sameShape) out.body.report.volumeError = surface->volumeLeftOut / (surface->volumeLeftOut + meshFacts(out.body.mesh).volume);
+    if (prepared.sameShape) out.body.report.volumeError = surface.volumeLeftOut / (surface.volumeLeftOut + meshFacts(out.body.mesh).volume);
     return out;
 }
 
 Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume, const Progress& progress) {
-    auto surface = wrappedBody(prepared.mesh, detail, volume, progress);
-    if (!surface) return tl::unexpected(surface.error());
+    IMOMUSHI_TRY(auto surface, wrappedBody(prepared.mesh, detail, volume, progress));
     Body body;
-    body.mesh = std::move(surface->mesh);
+    body.mesh = std::move(surface.mesh);
     if (!sound(body))
         return fail("no-volume", "No closed surface with a volume can be made of this mesh: give it thickness or close it in a modelling program.");
     body.bodyVertex.assign(prepared.vertexOf.size(), -1);
     body.report.how = BodyKind::Wrapped;
-    body.report.detail = surface->detail;
-    body.report.gaps = std::move(surface->gaps);
+    body.report.detail = surface.detail;
+    body.report.gaps = std::move(surface.gaps);
     if (const ClosedGaps& gaps = body.report.gaps; gaps.area > 0.0) {
         std::ostringstream text;
         text.imbue(std::locale::classic());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <unordered_set>
 
 #include "core/body/prepared_surface.h"

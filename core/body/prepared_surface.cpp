@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/body/prepared_surface.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 

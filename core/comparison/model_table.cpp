@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/character/response_blocks.h"
 #include "core/character/standard_poses.h"
 #include "core/comparison/previous_model.h"
@@ -84,12 +85,10 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
     proposed.elements = previous.elements = static_cast<int>(input.elements.size());
     proposed.vertices = previous.vertices = static_cast<int>(vertices);
 
-    auto character = Character::build(std::move(input));
-    if (!character) return tl::unexpected(character.error());
-    auto baseline = PreviousModel::build(std::move(old), progress.part(0.0, 0.1));
-    if (!baseline) return tl::unexpected(baseline.error());
-    previous.columns = baseline->columns();
-    previous.bytes = previous.frameBytes = baseline->matrixBytes();
+    IMOMUSHI_TRY(auto character, Character::build(std::move(input)));
+    IMOMUSHI_TRY(auto baseline, PreviousModel::build(std::move(old), progress.part(0.0, 0.1)));
+    previous.columns = baseline.columns();
+    previous.bytes = previous.frameBytes = baseline.matrixBytes();
 
     // Errors come first: they leave both models in the last random pose, in which the products are then timed.
     const auto seen = seenVertices(given);
@@ -97,22 +96,21 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
     std::vector<Eigen::VectorXd> v;
     for (std::size_t i = 0; i < poses.size(); ++i) {
         progress.report("compare", 0.1 + 0.5 * static_cast<double>(i) / static_cast<double>(poses.size()));
-        character->update(poses[i].pose);
-        const auto wanted = baseline->statics(poses[i].pose, progress);
-        if (!wanted) return tl::unexpected(wanted.error());
+        character.update(poses[i].pose);
+        IMOMUSHI_TRY(const auto wanted, baseline.statics(poses[i].pose, progress));
         ModelTable::PoseError error{poses[i].name};
-        error.beyondBasis = (character->stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist)) != 0;
+        error.beyondBasis = (character.stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist)) != 0;
         double wrong = 0.0, all = 0.0;
         for (std::size_t e = 0; e < given.elements.size(); ++e) {
             const auto& rest = given.elements[e].mesh->body.vertices;
-            const auto frame = character->frame(static_cast<int>(e));
-            const Points shown = character->positions(static_cast<int>(e));
+            const auto frame = character.frame(static_cast<int>(e));
+            const Points shown = character.positions(static_cast<int>(e));
             const double diagonal = diagonalOf(rest);
             for (Eigen::Index p = 0; p < rest.rows(); ++p) {
                 if (!seen[e][static_cast<std::size_t>(p)]) continue;
-                const double miss = (shown.row(p) - (*wanted)[e].row(p)).squaredNorm();
+                const double miss = (shown.row(p) - wanted[e].row(p)).squaredNorm();
                 wrong += miss;
-                all += ((*wanted)[e].row(p).transpose() - frame * Vec3(rest.row(p).transpose())).squaredNorm();
+                all += (wanted[e].row(p).transpose() - frame * Vec3(rest.row(p).transpose())).squaredNorm();
                 if (diagonal > 0.0) error.percent = std::max(error.percent, 100.0 * std::sqrt(miss) / diagonal);
             }
         }
@@ -120,7 +118,7 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
         table.errors.push_back(error);
     }
     for (std::size_t e = 0; e < given.elements.size(); ++e)
-        if (given.elements[e].response) v.push_back(character->jointParameters(static_cast<int>(e)));
+        if (given.elements[e].response) v.push_back(character.jointParameters(static_cast<int>(e)));
 
     progress.report("measure", 0.6);
     TestMotion motion(given.skeleton);
@@ -132,10 +130,10 @@ Result<ModelTable> compareModels(const ComparedModels& models, const Progress& p
         of.update(as, PreviousModel::kFrame);
     };
     const auto frames = mediansInTurn(kRounds, kSeconds,
-                                      {[&] { performed(*character, pose); },
+                                      {[&] { performed(character, pose); },
                                        [&] {
-                                           performed(baseline->character(), oldPose);
-                                           table.diverged = (baseline->character().stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0 || table.diverged;
+                                           performed(baseline.character(), oldPose);
+                                           table.diverged = (baseline.character().stats().warnings & static_cast<unsigned>(FrameWarning::Diverged)) != 0 || table.diverged;
                                        }},
                                       progress.part(0.6, 0.8));
     proposed.frameMs = frames[0];

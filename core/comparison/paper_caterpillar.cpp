@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/comparison/paper_caterpillar.h"
+#include "core/base/try.h"
 
 #include <cmath>
 #include <map>
@@ -95,9 +96,8 @@ Result<ComparedModels> solvedPaperCaterpillar(const Progress& progress) {
         for (const BasisKind basis : {BasisKind::Paper, BasisKind::Full}) {
             const double from = (solved == 0 ? 0.0 : 0.5) + (basis == BasisKind::Paper ? 0.0 : 0.2);
             in.basis = basis;
-            auto built = buildResponse(in, progress.part(from, from + (basis == BasisKind::Paper ? 0.2 : 0.3)));
-            if (!built) return tl::unexpected(built.error());
-            const auto response = std::make_shared<const ElementResponse>(std::move(*built));
+            IMOMUSHI_TRY(auto built, buildResponse(in, progress.part(from, from + (basis == BasisKind::Paper ? 0.2 : 0.3))));
+            const auto response = std::make_shared<const ElementResponse>(std::move(built));
             for (std::size_t e = 0; e < out.full.size(); ++e)
                 if ((e == 2) == (solved == 2)) (basis == BasisKind::Paper ? out.input.elements[e].response : out.full[e]) = response;
         }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/try.h"
 #include "core/character/previous_model_job.h"
 
 namespace imomushi {
@@ -62,10 +63,9 @@ Result<PreviousModel> PreviousModel::build(CharacterInput input, const Progress&
     effect.damping = kDamping;
     effect.shearModulus = kSoft;
     input.effects.set(effect);
-    auto character = Character::build(std::move(input));
-    if (!character) return tl::unexpected(character.error());
+    IMOMUSHI_TRY(auto character, Character::build(std::move(input)));
     if (progress.cancelled()) return fail(kCancelled, "The comparison was cancelled.");
-    return PreviousModel(std::move(*character));
+    return PreviousModel(std::move(character));
 }
 
 // Minimises the elastic energy by conjugate gradients. Unknowns: what nodes do beyond where bones have them, world axes, times the square root of their area,

@@ -29,11 +29,10 @@ Result<PlainCharacter> plainCharacter(const Session& session) {
     PlainCharacter out{session.document(), {}, {}};
     for (std::size_t k = 0; k < kEffects; ++k)
         if (static_cast<EffectKind>(k) != EffectKind::SmoothJoints) out.document.effects[static_cast<EffectKind>(k)].enabled = false;
-    auto plan = planCharacter(out.document);
-    if (!plan) return tl::unexpected(plan.error());
-    if (plan->input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
-    out.reference.character = std::move(plan->input);
-    out.elements = std::move(plan->elements);
+    IMOMUSHI_TRY(auto plan, planCharacter(out.document));
+    if (plan.input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
+    out.reference.character = std::move(plan.input);
+    out.elements = std::move(plan.elements);
     bool any = false;
     for (const PartId id : out.elements) {
         out.reference.elements.push_back(session.responseInput(id));
@@ -45,7 +44,7 @@ Result<PlainCharacter> plainCharacter(const Session& session) {
     for (const auto& [id, take] : session.document().takes)
         for (const int quarter : {1, 2, 3}) {
             const double time = 0.25 * quarter * take->duration();
-            out.reference.poses.push_back({take->name + " " + std::to_string(25 * quarter) + " %", takePose(*take, momentAt(take->times, time), plan->bones, skeleton)});
+            out.reference.poses.push_back({take->name + " " + std::to_string(25 * quarter) + " %", takePose(*take, momentAt(take->times, time), plan.bones, skeleton)});
         }
     return out;
 }
@@ -105,24 +104,20 @@ Result<Json> accuracyOfPose(Session& session, const Json& arguments, const std::
     if (text(arguments, "pose") != "current") return fail("bad-value", "\"pose\" must be \"current\".");
     for (const char* key : {"svg", "csv", "fresh"})
         if (find(arguments, key)) return fail("bad-value", std::string("\"") + key + "\" belongs to the table: leave it out with \"pose\".");
-    auto input = poseErrorInput(session);
-    if (!input) return tl::unexpected(input.error());
-    const auto seconds = secondsOf(arguments);
-    if (!seconds) return tl::unexpected(seconds.error());
-    input->reference.seconds = *seconds;
-    const auto made = FullSolutionKeeper().measure(*input, progress);
-    if (!made) return tl::unexpected(made.error());
+    IMOMUSHI_TRY(auto input, poseErrorInput(session));
+    IMOMUSHI_TRY(input.reference.seconds, secondsOf(arguments));
+    IMOMUSHI_TRY(const auto made, FullSolutionKeeper().measure(input, progress));
     const auto known = [](double value) { return value >= 0.0 ? Json(value) : Json(nullptr); };
     const auto pair = [&](double relative, double percent) { return Json{{"relative", known(relative)}, {"max_percent", known(percent)}}; };
-    const Reference& r = made->reference;
-    Json answer{{"pose", "current"}, {"setting", settingName(presentSetting(session.document()))}, {"error", pair(made->error.relative, made->error.percent)}};
+    const Reference& r = made.reference;
+    Json answer{{"pose", "current"}, {"setting", settingName(presentSetting(session.document()))}, {"error", pair(made.error.relative, made.error.percent)}};
     answer["reference"] = {{"solution", "full"}, {"solver_mesh", r.mesh}, {"error", pair(r.relative, r.percent)}, {"face_error", pair(r.faceRelative, r.facePercent)}, {"how", r.how}};
-    answer["seconds"] = {{"full_solution", r.seconds}, {"pose", made->seconds}};
-    answer["bytes"] = made->bytes;
+    answer["seconds"] = {{"full_solution", r.seconds}, {"pose", made.seconds}};
+    answer["bytes"] = made.bytes;
     Json elements = Json::array(), fields = Json::array();
     std::size_t e = 0;
     for (const auto& [id, element] : session.document().elements) {
-        const auto& field = made->field[e++];
+        const auto& field = made.field[e++];
         double largest = -1.0;
         Json errors = Json::array();
         for (const float value : field) {
@@ -141,23 +136,18 @@ Result<Json> accuracyOfPose(Session& session, const Json& arguments, const std::
 
 Result<Json> accuracy(SessionAccess& access, const Json& arguments, const Progress& progress) {
     Session& session = access.session;
-    const auto path = outputPath(arguments, "path", {".json"});
-    if (!path) return tl::unexpected(path.error());
-    const auto svg = outputPath(arguments, "svg", {".svg"});
-    if (!svg) return tl::unexpected(svg.error());
-    const auto csv = outputPath(arguments, "csv", {".csv"});
-    if (!csv) return tl::unexpected(csv.error());
-    if (find(arguments, "pose")) return accuracyOfPose(session, arguments, *path, progress);
-    auto input = studyInput(session);
-    if (!input) return tl::unexpected(input.error());
-    if (auto ok = assign(input->seconds, secondsOf(arguments)); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(const auto path, outputPath(arguments, "path", {".json"}));
+    IMOMUSHI_TRY(const auto svg, outputPath(arguments, "svg", {".svg"}));
+    IMOMUSHI_TRY(const auto csv, outputPath(arguments, "csv", {".csv"}));
+    if (find(arguments, "pose")) return accuracyOfPose(session, arguments, path, progress);
+    IMOMUSHI_TRY(auto input, studyInput(session));
+    IMOMUSHI_TRY(input.seconds, secondsOf(arguments));
     if (const Json* fresh = find(arguments, "fresh"); fresh && fresh->get<bool>()) {
         std::error_code error;
-        for (const char* suffix : {".json", ".positions"}) std::filesystem::remove(input->store / (studyKey(*input).hex() + suffix), error);
+        for (const char* suffix : {".json", ".positions"}) std::filesystem::remove(input.store / (studyKey(input).hex() + suffix), error);
     }
-    const auto study = runStudy(*input, {}, progress);
-    if (!study) return tl::unexpected(study.error());
-    Json answer = studyJson(*study);
+    IMOMUSHI_TRY(const auto study, runStudy(input, {}, progress));
+    Json answer = studyJson(study);
     answer["notes"] = Json::array(
         {"error: displacement in the frames of the elements against the full solution, vertices that are seen, all poses; relative is L2, max_percent of an element's "
          "bounding-box diagonal; null: unknown",
@@ -166,13 +156,13 @@ Result<Json> accuracy(SessionAccess& access, const Json& arguments, const Progre
          "points whose error is below that of the reference cannot be told apart by it",
          "effects: what each adds to a frame of the present setting, by the difference of frames with and without it in turn, off_by: the factor between that and its "
          "prediction; their error is unknown, as the full solution has none of them"});
-    if (auto written = writeFileAtomically(*path, answer.dump(2) + "\n"); !written) return tl::unexpected(written.error());
-    if (!csv->empty())
-        if (auto written = writeFileAtomically(*csv, studyCsv(*study)); !written) return tl::unexpected(written.error());
-    if (!svg->empty()) {
-        if (auto written = writeFileAtomically(*svg, plotOf(*study, false).svg()); !written) return tl::unexpected(written.error());
-        const auto second = svg->parent_path() / (svg->stem().string() + "-precompute.svg");
-        if (auto written = writeFileAtomically(second, plotOf(*study, true).svg()); !written) return tl::unexpected(written.error());
+    if (auto written = writeFileAtomically(path, answer.dump(2) + "\n"); !written) return tl::unexpected(written.error());
+    if (!csv.empty())
+        if (auto written = writeFileAtomically(csv, studyCsv(study)); !written) return tl::unexpected(written.error());
+    if (!svg.empty()) {
+        if (auto written = writeFileAtomically(svg, plotOf(study, false).svg()); !written) return tl::unexpected(written.error());
+        const auto second = svg.parent_path() / (svg.stem().string() + "-precompute.svg");
+        if (auto written = writeFileAtomically(second, plotOf(study, true).svg()); !written) return tl::unexpected(written.error());
     }
     return answer;
 }
@@ -200,36 +190,33 @@ AccuracySetting presentSetting(const Document& document) {
 }
 
 Result<ReferenceInput> studiedCharacter(Session& session) {
-    auto plain = plainCharacter(session);
-    if (!plain) return tl::unexpected(plain.error());
-    return std::move(plain->reference);
+    IMOMUSHI_TRY(auto plain, plainCharacter(session));
+    return std::move(plain.reference);
 }
 
 Result<StudyInput> studyInput(Session& session) {
-    auto plain = plainCharacter(session);
-    if (!plain) return tl::unexpected(plain.error());
+    IMOMUSHI_TRY(auto plain, plainCharacter(session));
     StudyInput out;
     out.present = presentSetting(session.document());
     out.store = studyFolder();
-    out.reference = std::move(plain->reference);
+    out.reference = std::move(plain.reference);
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto kind = static_cast<EffectKind>(k);
         if (kind == EffectKind::PreviousModel) continue;  // it has a point of its own
-        if (auto effect = pricedEffect(session, plain->document, kind)) out.effects.push_back(std::move(*effect));
+        if (auto effect = pricedEffect(session, plain.document, kind)) out.effects.push_back(std::move(*effect));
     }
     return out;
 }
 
 Result<PoseErrorInput> poseErrorInput(Session& session) {
-    auto plain = plainCharacter(session);
-    if (!plain) return tl::unexpected(plain.error());
-    PoseErrorInput out{std::move(plain->reference), {}};
+    IMOMUSHI_TRY(auto plain, plainCharacter(session));
+    PoseErrorInput out{std::move(plain.reference), {}};
     out.shown = out.reference.character;
-    for (std::size_t e = 0; e < plain->elements.size(); ++e) {
+    for (std::size_t e = 0; e < plain.elements.size(); ++e) {
         auto& element = out.shown.elements[e];
-        element.response = session.response(plain->elements[e]);
+        element.response = session.response(plain.elements[e]);
         if (!element.response && !element.faces.empty())
-            return fail("not-precomputed", "\"" + session.document().elements.at(plain->elements[e])->name + "\" is not precomputed as it is now: run \"precompute\" first.");
+            return fail("not-precomputed", "\"" + session.document().elements.at(plain.elements[e])->name + "\" is not precomputed as it is now: run \"precompute\" first.");
     }
     const Pose& pose = session.shownPose();
     out.reference.poses = {{"current", pose.points.empty() ? restPose(out.shown.skeleton) : pose}};

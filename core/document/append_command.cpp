@@ -62,18 +62,15 @@ Vec3 beside(const Document& here, const Document& there, const std::set<PartId>&
 }
 
 Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
-    const auto project = openProject(*path);
-    if (!project) return tl::unexpected(project.error());
-    const Document& there = project->document;
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
+    IMOMUSHI_TRY(const auto project, openProject(path));
+    const Document& there = project.document;
     std::set<PartId> wanted;
     if (const Json* names = find(arguments, "elements")) {
         for (const Json& name : *names) {
             if (!name.is_string()) return fail("bad-type", "\"elements\" must be names.");
-            const auto element = elementOf(there, name.get_ref<const std::string&>());
-            if (!element) return tl::unexpected(element.error());
-            wanted.insert((*element)->id);
+            IMOMUSHI_TRY(const auto element, elementOf(there, name.get_ref<const std::string&>()));
+            wanted.insert(element->id);
         }
     } else {
         for (const auto& [id, element] : there.elements) wanted.insert(id);
@@ -101,8 +98,8 @@ Result<Json> append(DocumentEdit& edit, const Json& arguments, const Progress&) 
     options.placing.shift = offset;
     if (auto ok = checkPlaces(there, parts, options.placing, placedBeside ? "beside" : "offset"); !ok) return tl::unexpected(ok.error());
     options.response = [&](PartId id) {
-        const auto known = project->responses.find(id);
-        return known == project->responses.end() ? nullptr : &known->second;
+        const auto known = project.responses.find(id);
+        return known == project.responses.end() ? nullptr : &known->second;
     };
     PartCopier copier(edit, there, options);
     copier.copyCharacters(parts.characters, wanted);

@@ -14,34 +14,30 @@ struct Named {
     ModelPart part;
 };
 Result<Named> attachableFrom(const Document& document, const Json& arguments) {
-    auto character = characterOf(document, text(arguments, "character"));
-    if (!character) return tl::unexpected(character.error());
-    const auto part = modelPartNamed(**character, text(arguments, "part"));
-    if (!part) return tl::unexpected(part.error());
-    return Named{std::move(*character), *part};
+    IMOMUSHI_TRY(auto character, characterOf(document, text(arguments, "character")));
+    IMOMUSHI_TRY(const auto part, modelPartNamed(*character, text(arguments, "part")));
+    return Named{std::move(character), part};
 }
 
 /// The element "name" of the character; 0 for "".
 Result<PartId> followedElement(const Document& document, const CharacterSource& character, const std::string& name) {
     if (name.empty()) return PartId(0);
-    const auto element = elementOf(document, name);
-    if (!element) return tl::unexpected(element.error());
-    if (!(*element)->piece || (*element)->piece->character != character.id)
+    IMOMUSHI_TRY(const auto element, elementOf(document, name));
+    if (!element->piece || element->piece->character != character.id)
         return fail("bad-value", "The element \"" + name + "\" is no piece of the character \"" + character.name + "\": name one of its elements, or \"\" for the one that is nearest.");
-    return (*element)->id;
+    return element->id;
 }
 
 Result<Json> attach(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto named = attachableFrom(document, arguments);
-    if (!named) return tl::unexpected(named.error());
-    const CharacterSource& character = *named->character;
+    IMOMUSHI_TRY(const auto named, attachableFrom(document, arguments));
+    const CharacterSource& character = *named.character;
     const std::string& mode = text(arguments, "mode");
     if (mode != "auto" && mode != "flesh" && mode != "rigid") return fail("bad-value", "\"mode\" must be \"auto\", \"flesh\" or \"rigid\".");
     const Json *pivot = find(arguments, "pivot"), *element = find(arguments, "element");
     if (pivot && mode != "rigid") return fail("bad-value", "\"pivot\" goes with the mode \"rigid\".");
     if (element && mode == "auto") return fail("bad-value", "\"element\" goes with the modes \"flesh\" and \"rigid\".");
-    const auto known = character.attachments.find(named->part);
+    const auto known = character.attachments.find(named.part);
     Attachment made = known == character.attachments.end() ? Attachment() : known->second;
     made.mode = mode == "rigid" ? Attachment::Mode::Rigid : Attachment::Mode::Flesh;
     if (made.mode == Attachment::Mode::Flesh || (pivot && pivot->is_null())) made.pivot.reset();
@@ -53,29 +49,27 @@ Result<Json> attach(DocumentEdit& edit, const Json& arguments, const Progress&) 
         if (auto ok = assign(made.element, followedElement(document, character, element->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
     exchangePart(document.characters, character.id, [&](CharacterSource& changed) {
         if (mode == "auto")
-            changed.attachments.erase(named->part);
+            changed.attachments.erase(named.part);
         else
-            changed.attachments.insert_or_assign(named->part, made);
+            changed.attachments.insert_or_assign(named.part, made);
     });
     const CharacterSource& now = *document.characters.at(character.id);
     std::erase_if(document.turns, [&now](const auto& turn) { return turn.first.character == now.id && !isRigid(now, turn.first.part); });
-    Json answer{{"part", now.model->namedParts().nameOf(named->part)}, {"vertices", attachedVertices(now, named->part).size()}};
-    if (isRigid(now, named->part)) answer["pivot"] = json(pivotOf(now, named->part));
+    Json answer{{"part", now.model->namedParts().nameOf(named.part)}, {"vertices", attachedVertices(now, named.part).size()}};
+    if (isRigid(now, named.part)) answer["pivot"] = json(pivotOf(now, named.part));
     return answer;
 }
 
 Result<Json> turnPart(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto named = attachableFrom(document, arguments);
-    if (!named) return tl::unexpected(named.error());
-    if (!isRigid(*named->character, named->part))
+    IMOMUSHI_TRY(const auto named, attachableFrom(document, arguments));
+    if (!isRigid(*named.character, named.part))
         return fail("not-rigid", "The part \"" + text(arguments, "part") + "\" is not rigid by itself: attach it with the mode \"rigid\" before it is turned.");
-    const auto rotation = rotationFrom(arguments.at("rotation"), "rotation");
-    if (!rotation) return tl::unexpected(rotation.error());
+    IMOMUSHI_TRY(const auto rotation, rotationFrom(arguments.at("rotation"), "rotation"));
     TurnGoal made;
-    made.target = *rotation;
+    made.target = rotation;
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestTurn, made.seconds); !ok) return tl::unexpected(ok.error());
-    const PartRef ref{named->character->id, named->part};
+    const PartRef ref{named.character->id, named.part};
     if (const auto known = document.turns.find(ref); known != document.turns.end()) made.from = known->second.now();
     const bool rest = made.target.coeffs() == Eigen::Quaterniond::Identity().coeffs() && made.seconds == 0.0;
     if (rest)

@@ -20,10 +20,9 @@ Result<Bone::Place> placeFrom(const Document& document, const Json& value, const
     const std::string& path = value.get_ref<const std::string&>();
     const std::string first = path.substr(0, path.find('/'));
     if (document.boneNamed(first)) {
-        const auto end = document.endpoint(path);
-        if (!end) return tl::unexpected(end.error());
-        if (end->bone == self) return fail("bad-place", "A bone cannot end at itself: place \"" + std::string(key) + "\" elsewhere.");
-        return Bone::Place(*end);
+        IMOMUSHI_TRY(const auto end, document.endpoint(path));
+        if (end.bone == self) return fail("bad-place", "A bone cannot end at itself: place \"" + std::string(key) + "\" elsewhere.");
+        return Bone::Place(end);
     }
     const auto face = document.face(path);
     if (!face) {
@@ -37,19 +36,18 @@ Result<Bone::Place> placeFrom(const Document& document, const Json& value, const
 /// Keys that add-bone and edit-bone share, into `bone`.
 Result<void> readBone(const Document& document, const Json& arguments, Bone& bone) {
     if (const Json* value = find(arguments, "from")) {
-        if (auto ok = assign(bone.start, placeFrom(document, *value, "from", bone.id)); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(bone.start, placeFrom(document, *value, "from", bone.id));
     }
     if (const Json* value = find(arguments, "to")) {
-        if (auto ok = assign(bone.end, placeFrom(document, *value, "to", bone.id)); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(bone.end, placeFrom(document, *value, "to", bone.id));
     }
     if (const Json* value = find(arguments, "parent")) {
         if (value->get_ref<const std::string&>().empty()) {
             bone.parent = 0;
         } else {
-            const auto parent = boneOf(document, value->get_ref<const std::string&>());
-            if (!parent) return tl::unexpected(parent.error());
-            if ((*parent)->id == bone.id) return fail("bad-value", "A bone cannot be its own parent.");
-            bone.parent = (*parent)->id;
+            IMOMUSHI_TRY(const auto parent, boneOf(document, value->get_ref<const std::string&>()));
+            if (parent->id == bone.id) return fail("bad-value", "A bone cannot be its own parent.");
+            bone.parent = parent->id;
         }
     }
     if (auto ok = readNumber(arguments, "roll", -kLargestBoneRoll, kLargestBoneRoll, bone.roll); !ok) return tl::unexpected(ok.error());
@@ -63,9 +61,8 @@ Result<void> readElement(const Document& document, const Json& arguments, Bone& 
         bone.element = 0;
         return {};
     }
-    const auto element = elementOf(document, value->get_ref<const std::string&>());
-    if (!element) return tl::unexpected(element.error());
-    bone.element = (*element)->id;
+    IMOMUSHI_TRY(const auto element, elementOf(document, value->get_ref<const std::string&>()));
+    bone.element = element->id;
     return {};
 }
 
@@ -79,9 +76,8 @@ Result<Json> finishBone(DocumentEdit& edit, Bone bone) {
             return fail("bad-parent", "The bone \"" + bone.name + "\" cannot hang on \"" + document.bones.at(bone.parent)->name + "\", which hangs on it: choose another parent.");
         above = document.bones.at(above)->parent;
     }
-    const auto planned = edit.planned();
-    if (!planned) return tl::unexpected(planned.error());
-    const CharacterPlan* plan = planned->get();
+    IMOMUSHI_TRY(const auto planned, edit.planned());
+    const CharacterPlan* plan = planned.get();
     const int index = plan->boneIndex(bone.id);
     const auto& skeleton = plan->input.skeleton;
     if (bone.parent != 0) {
@@ -116,9 +112,8 @@ Result<Json> addBone(DocumentEdit& edit, const Json& arguments, const Progress&)
 
 Result<Json> editBone(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto found = boneOf(document, text(arguments, "name"));
-    if (!found) return tl::unexpected(found.error());
-    Bone bone = **found;
+    IMOMUSHI_TRY(const auto found, boneOf(document, text(arguments, "name")));
+    Bone bone = *found;
     if (auto ok = readBone(document, arguments, bone); !ok) return tl::unexpected(ok.error());
     if (auto ok = readElement(document, arguments, bone); !ok) return tl::unexpected(ok.error());
     return finishBone(edit, std::move(bone));
@@ -126,9 +121,8 @@ Result<Json> editBone(DocumentEdit& edit, const Json& arguments, const Progress&
 
 Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto found = boneOf(document, text(arguments, "name"));
-    if (!found) return tl::unexpected(found.error());
-    const std::shared_ptr<const Bone> gone = *found;
+    IMOMUSHI_TRY(const auto found, boneOf(document, text(arguments, "name")));
+    const std::shared_ptr<const Bone> gone = found;
     document.bones.erase(gone->id);
     // What ended at this bone stays where it is.
     std::vector<PartId> ids;
@@ -150,9 +144,8 @@ Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progres
         });
     }
     // A parent that no longer touches is none.
-    const auto planned = edit.planned();
-    if (!planned) return tl::unexpected(planned.error());
-    const CharacterPlan* plan = planned->get();
+    IMOMUSHI_TRY(const auto planned, edit.planned());
+    const CharacterPlan* plan = planned.get();
     for (const PartId id : ids) {
         const Bone& bone = *document.bones.at(id);
         if (bone.parent == 0) continue;

@@ -124,10 +124,9 @@ Result<std::vector<JointFace>> facesOn(const BodyPiece& piece, const std::vector
     std::vector<JointFace> out;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (!carried[f]) {
-            auto found = faces[f].cut != 0 ? jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles) : lost(faces[f]);
-            if (!found) return tl::unexpected(found.error());
-            found->name = faces[f].face->name;
-            carried[f] = std::move(*found);
+            IMOMUSHI_TRY(auto found, faces[f].cut != 0 ? jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles) : lost(faces[f]));
+            found.name = faces[f].face->name;
+            carried[f] = std::move(found);
         }
         out.push_back(std::move(*carried[f]));
     }
@@ -277,13 +276,12 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
     cut.id = document.nextId++;
     const PartId made = cut.id;
     character.cuts.push_back(std::move(cut));
-    auto pieces = piecesOf(character, made, progress);
-    if (!pieces) return tl::unexpected(pieces.error());
+    IMOMUSHI_TRY(auto pieces, piecesOf(character, made, progress));
 
     // The two pieces beside the cut were one element.
     std::array<const BodyPiece*, 2> sides{};
     Sides before;
-    for (const BodyPiece& piece : *pieces)
+    for (const BodyPiece& piece : pieces)
         for (const auto& [id, front] : sidesOf(piece, character.cuts))
             if (id == made) sides[front ? 1 : 0] = &piece;
     for (const BodyPiece* piece : sides)
@@ -320,17 +318,14 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
     for (const bool isFront : {false, true}) {
         Element& element = isFront ? front : behind;
         const BodyPiece& piece = *sides[isFront ? 1 : 0];
-        auto faces = facesOn(document, piece, character.cuts, isFront ? leave : stay);
-        if (!faces) return tl::unexpected(faces.error());
-        element.faces = std::move(*faces);
+        IMOMUSHI_TRY(element.faces, facesOn(document, piece, character.cuts, isFront ? leave : stay));
         const auto& cap = capOf(piece, character.cuts, made);
-        auto face = jointFaceByTriangles(piece.body, cap.triangles);
-        if (!face) return tl::unexpected(face.error());
-        face->name = freeFaceName(element, cutName);
-        out.faces[isFront ? 1 : 0] = face->name;
+        IMOMUSHI_TRY(auto face, jointFaceByTriangles(piece.body, cap.triangles));
+        face.name = freeFaceName(element, cutName);
+        out.faces[isFront ? 1 : 0] = face.name;
         out.smallestAngle = isFront ? std::min(out.smallestAngle, cap.smallestAngle) : cap.smallestAngle;
-        element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(made))].face = face->name;
-        element.faces.push_back(std::move(*face));
+        element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(made))].face = face.name;
+        element.faces.push_back(std::move(face));
         takeHandles(element, {whole.get()});
         if (auto ok = checkApart(element); !ok) return tl::unexpected(ok.error());
     }
@@ -355,30 +350,28 @@ Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId,
 Result<std::vector<PartId>> changeBody(Document& document, PartId characterId, std::shared_ptr<const Body> body, const Progress& progress) {
     CharacterSource character = *document.characters.at(characterId);
     character.body = std::move(body);
-    const auto pieces = piecesOf(character, 0, progress);
-    if (!pieces) return tl::unexpected(pieces.error());
+    IMOMUSHI_TRY(const auto pieces, piecesOf(character, 0, progress));
     std::vector<Element> changed, kept;
     for (const PartId id : document.elementsOf(characterId)) {
         Element element = *document.elements.at(id);
-        const BodyPiece* piece = pieceWith(*pieces, character.cuts, sidesOf(*element.piece));
+        const BodyPiece* piece = pieceWith(pieces, character.cuts, sidesOf(*element.piece));
         if (!piece) return fail("cut-passes", "The cuts would divide the other body in another way: take out the cuts of \"" + element.name + "\" first.");
         if (same(element, *piece)) {  // places in the whole body may be others
             element.piece->origin = std::make_shared<const PieceOrigin>(PieceOrigin{piece->source, piece->sourceTriangle});
             kept.push_back(std::move(element));
             continue;
         }
-        auto faces = facesOn(*piece, character.cuts, facesOf(element), [&](const OldFace& face) -> Result<JointFace> {
+        IMOMUSHI_TRY(auto faces, facesOn(*piece, character.cuts, facesOf(element), [&](const OldFace& face) -> Result<JointFace> {
             const auto handle = std::find_if(element.handles.begin(), element.handles.end(), [&](const Handle& h) { return h.face == face.face->name; });
             if (handle == element.handles.end())
                 return fail("face-lost", "The joint face \"" + element.name + "/" + face.face->name + "\" lies where the body becomes another: remove the face first, and make it again afterwards.");
             const SurfacePoint place = nearestOnSurface(piece->body, handle->point);
             handle->point = place.point;
             return jointFaceByDisc(piece->body, place.triangle, place.point, handle->radius);
-        });
-        if (!faces) return tl::unexpected(faces.error());
+        }));
         Element now = element;
         takePiece(now, *piece, character.cuts);
-        now.faces = std::move(*faces);
+        now.faces = std::move(faces);
         if (auto ok = checkApart(now); !ok) return tl::unexpected(ok.error());
         changed.push_back(std::move(now));
     }
@@ -397,19 +390,18 @@ Result<std::vector<PartId>> moveCut(Document& document, PartId characterId, Part
     CutPlane& moved = character.cuts[static_cast<std::size_t>(character.cutIndex(cut))].plane;
     const bool turned = moved.normal.stableNormalized().dot(plane.normal.stableNormalized()) < 0.0;
     moved = {plane.origin, turned ? Vec3(-plane.normal) : plane.normal};
-    const auto pieces = piecesOf(character, cut, progress);
-    if (!pieces) return tl::unexpected(pieces.error());
+    IMOMUSHI_TRY(const auto pieces, piecesOf(character, cut, progress));
 
     std::vector<Element> changed;
     for (const PartId id : document.elementsOf(characterId)) {
         const Element& element = *document.elements.at(id);
-        const BodyPiece* piece = pieceWith(*pieces, character.cuts, sidesOf(*element.piece));
+        const BodyPiece* piece = pieceWith(pieces, character.cuts, sidesOf(*element.piece));
         if (!piece)
             return fail("cut-passes", "The cut would come to lie on the other side of another cut of " + quoted(element.name) + ": move it less far, or take it out and cut anew.");
         if (element.piece->sideIndex(cut) < 0 || same(element, *piece)) continue;
         Element now = element;
         takePiece(now, *piece, character.cuts);
-        if (auto ok = assign(now.faces, facesOn(document, *piece, character.cuts, facesOf(element))); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(now.faces, facesOn(document, *piece, character.cuts, facesOf(element)));
         if (auto ok = checkApart(now); !ok) return tl::unexpected(ok.error());
         changed.push_back(std::move(now));
     }
@@ -430,14 +422,13 @@ Result<PartId> removeCut(Document& document, PartId characterId, PartId cut, con
         if (const int side = element->piece->sideIndex(cut); side >= 0) sides[element->piece->sides[static_cast<std::size_t>(side)].front ? 1 : 0] = element;
     }
     character.cuts.erase(character.cuts.begin() + character.cutIndex(cut));
-    const auto pieces = piecesOf(character, 0, progress);
-    if (!pieces) return tl::unexpected(pieces.error());
+    IMOMUSHI_TRY(const auto pieces, piecesOf(character, 0, progress));
     Sides together;
     for (const auto& element : sides)
         for (const auto& side : sidesOf(*element->piece))
             if (side.first != cut) together.push_back(side);
     std::sort(together.begin(), together.end());
-    const BodyPiece* piece = pieceWith(*pieces, character.cuts, together);
+    const BodyPiece* piece = pieceWith(pieces, character.cuts, together);
     if (!piece) return fail("cut-passes", "The other cuts would come to lie on other sides of each other: move them apart first.");
 
     // Faces of the element in front come over, under names that are free there; those of the cut go.
@@ -453,11 +444,10 @@ Result<PartId> removeCut(Document& document, PartId characterId, PartId cut, con
     const std::size_t own = kept.size();
     for (const OldFace& face : facesOf(*sides[1]))
         if (face.cut != cut) kept.push_back(face);
-    auto faces = facesOn(document, *piece, character.cuts, kept);
-    if (!faces) return tl::unexpected(faces.error());
+    IMOMUSHI_TRY(auto faces, facesOn(document, *piece, character.cuts, kept));
     merged.faces.clear();
-    for (std::size_t f = 0; f < faces->size(); ++f) {
-        JointFace& face = (*faces)[f];
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        JointFace& face = faces[f];
         if (f >= own) {
             renamed.emplace_back(face.name, freeFaceName(merged, face.name));
             face.name = renamed.back().second;

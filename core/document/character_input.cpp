@@ -5,6 +5,7 @@
 #include <limits>
 #include <queue>
 
+#include "core/base/try.h"
 #include "core/base/union_find.h"
 #include "core/document/embed_model.h"
 #include "core/document/names.h"
@@ -165,11 +166,10 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         for (const bool atEnd : {false, true}) {
             const int node = nodes.endpoint({id, atEnd});
             const Bone::Place& place = placeOf(*bone, atEnd);
-            const auto position = restPosition(document, place);
-            if (!position) return tl::unexpected(position.error());
-            rest[static_cast<std::size_t>(node)] = *position;
-            low = low.cwiseMin(*position);
-            high = high.cwiseMax(*position);
+            IMOMUSHI_TRY(const auto position, restPosition(document, place));
+            rest[static_cast<std::size_t>(node)] = position;
+            low = low.cwiseMin(position);
+            high = high.cwiseMax(position);
             if (const auto* face = std::get_if<FaceRef>(&place); face && !isHandle(document, *face)) sets.unite(node, nodes.faces.at(*face));
             if (const auto* end = std::get_if<EndpointRef>(&place)) sets.unite(node, nodes.endpoint(*end));
         }

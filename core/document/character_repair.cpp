@@ -131,9 +131,7 @@ struct Mending {
 Result<Mending> mend(const RenderModel& model, const MendPlan& plan, const BodyMaker& maker, const Progress& progress) {
     Mending out;
     if (plan.chosen && !plan.wraps) {
-        auto surface = examineSurface(model.mesh.body, model.part, plan.done);
-        if (!surface) return tl::unexpected(surface.error());
-        out.surface = std::move(*surface);
+        IMOMUSHI_TRY(out.surface, examineSurface(model.mesh.body, model.part, plan.done));
         if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
         if (wantsMore(out.surface.left, plan.done)) return out;
     }
@@ -196,20 +194,19 @@ Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendReques
     report.unneeded = std::move(plan.unneeded);
     if (plan.steps.empty()) return report;
     const BodyMaker maker = [&edit](const RenderModel& model, const BodySetting& setting, const Progress& part) { return edit.makeBody(model, setting, part); };
-    auto mending = mend(*character.model, plan, maker, progress);
-    if (!mending) return tl::unexpected(mending.error());
+    IMOMUSHI_TRY(auto mending, mend(*character.model, plan, maker, progress));
 
     std::vector<MeshIssue> issues;
-    if (!mending->body) {  // the wrap stays until nothing is left
-        for (const MeshIssue& issue : mending->surface.done)
+    if (!mending.body) {  // the wrap stays until nothing is left
+        for (const MeshIssue& issue : mending.surface.done)
             if (!std::any_of(character.issues.begin(), character.issues.end(), [&](const MeshIssue& i) { return i.fixed && i.code == issue.code; })) report.done.push_back(issue);
-        issues = issuesAfter(character.issues, mending->surface);
+        issues = issuesAfter(character.issues, mending.surface);
     } else {
-        BodyReport& made = mending->body->report;
+        BodyReport& made = mending.body->report;
         std::vector<MeshIssue> said = std::exchange(made.issues, {});
         if (made.how == BodyKind::Wrapped && !hasCode(said, "wrapped")) said.push_back({Severity::Info, "wrapped", "A new surface around everything was made.", 1, true, {}, {}});
         std::copy_if(said.begin(), said.end(), std::back_inserter(report.done), [](const MeshIssue& i) { return i.fixed; });
-        if (auto ok = assign(report.changed, changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending->body)), progress)); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(report.changed, changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending.body)), progress));
         issues = issuesWith(character.issues, *character.model, std::move(said));
     }
     report.after = unmended(issues);
@@ -238,31 +235,28 @@ Result<MendRequest> mendRequestFrom(const Json& arguments) {
         if (actions.empty()) return fail("bad-value", "\"actions\" is empty: leave it out for all that mend the issues there are.");
     }
     if (const Json* value = find(arguments, "detail")) {
-        const auto detail = numberWithin(*value, "detail", kFinestDetail, kCoarsestDetail);
-        if (!detail) return tl::unexpected(detail.error());
+        IMOMUSHI_TRY(const auto detail, numberWithin(*value, "detail", kFinestDetail, kCoarsestDetail));
         if (!request.actions || !contains(*request.actions, RepairAction::Wrap)) return fail("bad-value", "\"detail\" is that of a wrap: add \"wrap\" to \"actions\".");
-        request.detail = *detail;
+        request.detail = detail;
     }
     return request;
 }
 
 Result<MendWork> mendWork(const Document& document, const Json& repair) {
-    const auto request = mendRequestFrom(repair);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto request, mendRequestFrom(repair));
     Document copy = document;  // shares all parts
     const std::string& target = text(repair, "element");
     PartId id = 0;
     if (const CharacterSource* whole = copy.characterNamed(target)) {
         id = whole->id;
     } else {
-        const auto element = elementOf(copy, target);
-        if (!element) return tl::unexpected(element.error());
+        IMOMUSHI_TRY(const auto element, elementOf(copy, target));
         MendReport report;
-        id = (*element)->piece ? (*element)->piece->character : wholeOf(copy, (*element)->id, *request, report);
+        id = element->piece ? element->piece->character : wholeOf(copy, element->id, request, report);
     }
     if (id == 0) return MendWork([](const BodyMaker&, const Progress&) {});
     const CharacterSource& character = *copy.characters.at(id);
-    return MendWork([model = character.model, plan = planFor(character, *request)](const BodyMaker& maker, const Progress& progress) {
+    return MendWork([model = character.model, plan = planFor(character, request)](const BodyMaker& maker, const Progress& progress) {
         if (!plan.steps.empty()) (void)mend(*model, plan, maker, progress);  // what goes wrong, goes wrong again when the command asks
     });
 }

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "core/base/plane.h"
+#include "core/base/try.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/mesh/bounds.h"
@@ -50,11 +51,10 @@ inline int integer(const Json& value) { return static_cast<int>(value.get<double
 /// A number within [low, high]. Errors: "bad-value".
 Result<double> numberWithin(const Json& value, std::string_view name, double low, double high);
 
-/// Gives `to` what was found, or the error: if (auto ok = assign(to, elementOf(document, name)); !ok) return tl::unexpected(ok.error());
+/// Gives `to` what was found, or answers the error.
 template <class To, class Found>
 Result<void> assign(To& to, Result<Found> found) {
-    if (!found) return tl::unexpected(std::move(found.error()));
-    to = std::move(*found);
+    IMOMUSHI_TRY(to, std::move(found));
     return {};
 }
 

@@ -34,23 +34,20 @@ Result<std::pair<std::shared_ptr<const CharacterSource>, const Cut*>> cutOf(cons
 }
 
 Result<CutPlane> cutPlaneFrom(const Json& arguments) {
-    const auto plane = planeFrom(arguments.at("plane"));
-    if (!plane) return tl::unexpected(plane.error());
-    return CutPlane{plane->origin(), plane->normal()};
+    IMOMUSHI_TRY(const auto plane, planeFrom(arguments.at("plane")));
+    return CutPlane{plane.origin(), plane.normal()};
 }
 
 Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto plane = cutPlaneFrom(arguments);
-    if (!plane) return tl::unexpected(plane.error());
-    const auto names = namesFrom(document, arguments);
-    if (!names) return tl::unexpected(names.error());
+    IMOMUSHI_TRY(const auto plane, cutPlaneFrom(arguments));
+    IMOMUSHI_TRY(const auto names, namesFrom(document, arguments));
     Cut made;
-    made.plane = *plane;
+    made.plane = plane;
     if (const Json* name = find(arguments, "name")) {
         made.name = name->get<std::string>();
         if (auto ok = checkNewName(document, made.name); !ok) return tl::unexpected(ok.error());
-        if (made.name == (*names)[0] || made.name == (*names)[1]) return fail("name-taken", "A cut cannot be called like a piece, \"" + made.name + "\": choose another name.");
+        if (made.name == names[0] || made.name == names[1]) return fail("name-taken", "A cut cannot be called like a piece, \"" + made.name + "\": choose another name.");
     }
 
     const std::string& target = text(arguments, "element");
@@ -58,19 +55,17 @@ Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& prog
     if (const CharacterSource* whole = document.characterNamed(target)) {
         character = whole->id;
     } else {
-        const auto found = elementOf(document, target);
-        if (!found) return tl::unexpected(found.error());
-        element = (*found)->id;
-        if ((*found)->piece) character = (*found)->piece->character;
+        IMOMUSHI_TRY(const auto found, elementOf(document, target));
+        element = found->id;
+        if (found->piece) character = found->piece->character;
     }
     const bool isNew = character == 0;
     if (isNew) character = makeCharacter(document, element, {});
-    const Element* named = (*names)[0].empty() ? nullptr : document.elementNamed((*names)[0]);
+    const Element* named = names[0].empty() ? nullptr : document.elementNamed(names[0]);
     const PartId holder = named ? named->id : 0;
-    const auto done = addCut(document, character, element, std::move(made), *names, progress);
-    if (!done) return tl::unexpected(done.error());
-    if (holder != 0 && holder != done->elements[0])
-        return fail("name-taken", "The name \"" + (*names)[0] + "\" is taken by an element that is not cut: choose another.");
+    IMOMUSHI_TRY(const auto done, addCut(document, character, element, std::move(made), names, progress));
+    if (holder != 0 && holder != done.elements[0])
+        return fail("name-taken", "The name \"" + names[0] + "\" is taken by an element that is not cut: choose another.");
     if (isNew) {
         const std::string name = checkNewName(document, target) ? target : freeName(document, "whole " + target);
         exchangePart(document.characters, character, [&](CharacterSource& changed) { changed.name = name; });
@@ -79,35 +74,30 @@ Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& prog
     const CharacterSource& source = *document.characters.at(character);
     Json answer{{"elements", Json::array()}, {"faces", Json::array()}};
     for (std::size_t i = 0; i < 2; ++i) {
-        answer["elements"].push_back(document.elements.at(done->elements[i])->name);
-        answer["faces"].push_back(faceText(document, {done->elements[i], done->faces[i]}));
+        answer["elements"].push_back(document.elements.at(done.elements[i])->name);
+        answer["faces"].push_back(faceText(document, {done.elements[i], done.faces[i]}));
     }
-    answer["cut"] = source.cuts[static_cast<std::size_t>(source.cutIndex(done->cut))].name;
+    answer["cut"] = source.cuts[static_cast<std::size_t>(source.cutIndex(done.cut))].name;
     answer["character"] = source.name;
-    answer["smallest_angle"] = done->smallestAngle;
+    answer["smallest_angle"] = done.smallestAngle;
     return answer;
 }
 
 Result<Json> moveCutCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto found = cutOf(document, text(arguments, "cut"));
-    if (!found) return tl::unexpected(found.error());
-    const auto plane = cutPlaneFrom(arguments);
-    if (!plane) return tl::unexpected(plane.error());
-    const auto changed = moveCut(document, found->first->id, found->second->id, *plane, progress);
-    if (!changed) return tl::unexpected(changed.error());
+    IMOMUSHI_TRY(const auto found, cutOf(document, text(arguments, "cut")));
+    IMOMUSHI_TRY(const auto plane, cutPlaneFrom(arguments));
+    IMOMUSHI_TRY(const auto changed, moveCut(document, found.first->id, found.second->id, plane, progress));
     Json stale = Json::array();
-    for (const PartId id : *changed) stale.push_back(document.elements.at(id)->name);
+    for (const PartId id : changed) stale.push_back(document.elements.at(id)->name);
     return Json{{"stale", std::move(stale)}};
 }
 
 Result<Json> removeCutCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto found = cutOf(document, text(arguments, "cut"));
-    if (!found) return tl::unexpected(found.error());
-    const auto changed = removeCut(document, found->first->id, found->second->id, progress);
-    if (!changed) return tl::unexpected(changed.error());
-    return Json{{"stale", Json::array({document.elements.at(*changed)->name})}};
+    IMOMUSHI_TRY(const auto found, cutOf(document, text(arguments, "cut")));
+    IMOMUSHI_TRY(const auto changed, removeCut(document, found.first->id, found.second->id, progress));
+    return Json{{"stale", Json::array({document.elements.at(changed)->name})}};
 }
 
 }  // namespace

@@ -37,9 +37,8 @@ Result<Json> duplicate(DocumentEdit& edit, const Json& arguments, const Progress
         } else if (const Bone* bone = from.boneNamed(name)) {
             wanted.bones.insert(bone->id);
         } else {
-            const auto element = elementOf(from, name);
-            if (!element) return tl::unexpected(element.error());
-            wanted.addElement(from, **element);
+            IMOMUSHI_TRY(const auto element, elementOf(from, name));
+            wanted.addElement(from, *element);
         }
     }
     if (wanted.elements.empty() && wanted.bones.empty()) return fail("no-element", "There is nothing to duplicate: name elements, characters or bones.");
@@ -56,10 +55,9 @@ Result<Json> duplicate(DocumentEdit& edit, const Json& arguments, const Progress
     copier.copyJoints();
     copier.copyBones(wanted.bones);
     findElements(edit.document, from, copier);
-    auto performing = performCopies(edit.document, from, copier);
-    if (!performing) return tl::unexpected(performing.error());
+    IMOMUSHI_TRY(auto performing, performCopies(edit.document, from, copier));
     Json answer = copiesJson(copier);
-    answer["takes"] = *performing;
+    answer["takes"] = performing;
     answer["offset"] = json(options.placing.shift);
     return answer;
 }

@@ -27,15 +27,13 @@ struct Wanted {
 
 /// What "effect" and "target" name. Errors: "no-such-effect", "no-such-element", "bad-target".
 Result<Wanted> wantedOf(const Document& document, const Json& arguments) {
-    const auto kind = effectOf(arguments);
-    if (!kind) return tl::unexpected(kind.error());
+    IMOMUSHI_TRY(const auto kind, effectOf(arguments));
     const Json* target = find(arguments, "target");
-    if (!target || *target == "character") return Wanted{*kind};
-    const auto element = elementOf(document, target->get_ref<const std::string&>());
-    if (!element) return tl::unexpected(element.error());
-    if (!isOfElements(*kind))
-        return fail("bad-target", "\"" + std::string(effectName(*kind)) + "\" works on the whole character: leave \"target\" out.");
-    return Wanted{*kind, (*element)->id};
+    if (!target || *target == "character") return Wanted{kind};
+    IMOMUSHI_TRY(const auto element, elementOf(document, target->get_ref<const std::string&>()));
+    if (!isOfElements(kind))
+        return fail("bad-target", "\"" + std::string(effectName(kind)) + "\" works on the whole character: leave \"target\" out.");
+    return Wanted{kind, element->id};
 }
 
 Json names(const Document& document, const Effect& effect) {
@@ -48,9 +46,8 @@ Json names(const Document& document, const Effect& effect) {
 
 Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto wanted = wantedOf(document, arguments);
-    if (!wanted) return tl::unexpected(wanted.error());
-    const auto [kind, target] = *wanted;
+    IMOMUSHI_TRY(const auto wanted, wantedOf(document, arguments));
+    const auto [kind, target] = wanted;
     const Json* given = find(arguments, "auto");
     const bool automatic = given ? given->get<bool>() : document.effects[kind].automatic;
     if (automatic && !effectDescriptor(kind).canBeAutomatic)
@@ -78,9 +75,8 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
 
 Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto wanted = wantedOf(document, arguments);
-    if (!wanted) return tl::unexpected(wanted.error());
-    const auto [kind, target] = *wanted;
+    IMOMUSHI_TRY(const auto wanted, wantedOf(document, arguments));
+    const auto [kind, target] = wanted;
     Effect& effect = document.effects[kind];
     if (!document.effects.has(kind) || (target != 0 && !document.effects.has(kind, target)))
         return fail("not-enabled", "\"" + std::string(effectName(kind)) + "\" is not enabled" + (target ? " there." : "."));
@@ -150,9 +146,8 @@ Result<void> setEffect(Effects& effects, EffectKind kind, const std::string& pro
         if (p.name == property) {
             double* to = effects[kind].values.data() + at;
             if (p.size == 1) {
-                const auto given = numberWithin(value, property, p.low, p.high);
-                if (!given) return tl::unexpected(given.error());
-                *to = *given;
+                IMOMUSHI_TRY(const auto given, numberWithin(value, property, p.low, p.high));
+                *to = given;
                 return {};
             }
             const auto given = vector3(value);

@@ -33,13 +33,12 @@ Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index co
 
 Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto element = elementOf(document, text(arguments, "element"));
-    if (!element) return tl::unexpected(element.error());
+    IMOMUSHI_TRY(const auto element, elementOf(document, text(arguments, "element")));
     const std::string& name = text(arguments, "name");
     if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
-    if ((*element)->faceIndex(name) >= 0)
-        return fail("name-taken", "The element \"" + (*element)->name + "\" has a joint face \"" + name + "\" already: choose another name.");
-    const TriangleMesh& body = (*element)->mesh->body;
+    if (element->faceIndex(name) >= 0)
+        return fail("name-taken", "The element \"" + element->name + "\" has a joint face \"" + name + "\" already: choose another name.");
+    const TriangleMesh& body = element->mesh->body;
     const Json* plane = find(arguments, "plane");
     const Json* vertices = find(arguments, "vertices");
     if ((plane != nullptr) == (vertices != nullptr)) return fail("missing-key", "\"add-joint-face\" needs either \"plane\" or \"vertices\".");
@@ -47,19 +46,17 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
 
     Result<JointFace> face = fail("no-patch", "");
     if (plane) {
-        const auto given = planeFrom(*plane);
-        if (!given) return tl::unexpected(given.error());
+        IMOMUSHI_TRY(const auto given, planeFrom(*plane));
         double tolerance = kPlaneTolerance * size;
         if (auto ok = readNumber(arguments, "tolerance", 0.0, size, tolerance); !ok) return tl::unexpected(ok.error());
-        face = jointFaceByPlane(body, given->origin(), given->normal(), tolerance);
+        face = jointFaceByPlane(body, given.origin(), given.normal(), tolerance);
     } else {
         if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
-        const auto indices = indicesFrom(*vertices, body.vertices.rows());
-        if (!indices) return tl::unexpected(indices.error());
-        face = jointFaceByVertices(body, *indices);
+        IMOMUSHI_TRY(const auto indices, indicesFrom(*vertices, body.vertices.rows()));
+        face = jointFaceByVertices(body, indices);
     }
     if (!face) return tl::unexpected(face.error());
-    for (const JointFace& other : (*element)->faces) {
+    for (const JointFace& other : element->faces) {
         std::vector<std::int32_t> shared;
         std::set_intersection(other.vertices.begin(), other.vertices.end(), face->vertices.begin(), face->vertices.end(),
                               std::back_inserter(shared));
@@ -73,40 +70,35 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
     Json answer{{"vertices", face->vertices.size()}, {"triangles", face->triangles.size()}, {"indices", face->vertices},
                 {"frame", json(face->frame)}, {"planarity_error", face->planarityError}, {"flat", face->flat()}, {"area", face->area},
                 {"size", face->size}};
-    exchangePart(document.elements, (*element)->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
+    exchangePart(document.elements, element->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
     return answer;
 }
 
 Result<Json> join(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto a = document.face(text(arguments, "a"));
-    if (!a) return tl::unexpected(a.error());
-    const auto b = document.face(text(arguments, "b"));
-    if (!b) return tl::unexpected(b.error());
-    const auto joined = joinFaces(document, *a, *b);
-    if (!joined) return tl::unexpected(joined.error());
-    const JointFace &first = faceOf(document, *a), &second = faceOf(document, *b);
+    IMOMUSHI_TRY(const auto a, document.face(text(arguments, "a")));
+    IMOMUSHI_TRY(const auto b, document.face(text(arguments, "b")));
+    IMOMUSHI_TRY(const auto joined, joinFaces(document, a, b));
+    const JointFace &first = faceOf(document, a), &second = faceOf(document, b);
     Json warnings = Json::array();
     if (first.frame.axes.col(2).dot(second.frame.axes.col(2)) > 0.0)
         warnings.push_back("The faces look the same way, so that their elements overlap: join faces that look at each other.");
-    Json answer{{"welded", joined->welded}, {"unmatched", first.vertices.size() + second.vertices.size() - 2 * joined->welded},
-                {"largest_gap", joined->gap}, {"warnings", std::move(warnings)}};
+    Json answer{{"welded", joined.welded}, {"unmatched", first.vertices.size() + second.vertices.size() - 2 * joined.welded},
+                {"largest_gap", joined.gap}, {"warnings", std::move(warnings)}};
     return answer;
 }
 
 Result<Json> unjoin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto face = document.face(text(arguments, "face"));
-    if (!face) return tl::unexpected(face.error());
-    if (!document.jointOf(*face)) return fail("not-joined", "The face \"" + text(arguments, "face") + "\" is not joined.");
-    leaveJoint(document, *face);
+    IMOMUSHI_TRY(const auto face, document.face(text(arguments, "face")));
+    if (!document.jointOf(face)) return fail("not-joined", "The face \"" + text(arguments, "face") + "\" is not joined.");
+    leaveJoint(document, face);
     return Json::object();
 }
 
 Result<Json> removeJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto face = edit.document.face(text(arguments, "face"));
-    if (!face) return tl::unexpected(face.error());
-    removeFace(edit.document, *face);
+    IMOMUSHI_TRY(const auto face, edit.document.face(text(arguments, "face")));
+    removeFace(edit.document, face);
     return Json::object();
 }
 
@@ -126,16 +118,15 @@ Result<Json> removeElement(DocumentEdit& edit, const Json& arguments, const Prog
         eraseCharacter(document, gone);
         return Json::object();
     }
-    const auto element = elementOf(document, name);
-    if (!element) return tl::unexpected(element.error());
-    if (const auto& piece = (*element)->piece) {
+    IMOMUSHI_TRY(const auto element, elementOf(document, name));
+    if (const auto& piece = element->piece) {
         const CharacterSource& character = *document.characters.at(piece->character);
         if (!character.cuts.empty())
             return fail("part-of-character", "The element \"" + name + "\" is a piece of the character \"" + character.name +
                                                  "\": take out the cut beside it with remove-cut, or remove the whole character by its name.");
         eraseCharacter(document, character.id);
     }
-    dropElement(document, (*element)->id);
+    dropElement(document, element->id);
     return Json::object();
 }
 

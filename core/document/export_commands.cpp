@@ -58,9 +58,8 @@ Result<std::vector<std::shared_ptr<const Take>>> takesOf(const Document& documen
     const Json names = asked->is_array() ? *asked : Json::array({*asked});
     for (const Json& name : names) {
         if (!name.is_string()) return fail("bad-type", "\"take\" must be the name of a take, or a list of names.");
-        const auto take = takeOf(document, name.get_ref<const std::string&>());
-        if (!take) return tl::unexpected(take.error());
-        if (std::find(takes.begin(), takes.end(), *take) == takes.end()) takes.push_back(*take);
+        IMOMUSHI_TRY(const auto take, takeOf(document, name.get_ref<const std::string&>()));
+        if (std::find(takes.begin(), takes.end(), take) == takes.end()) takes.push_back(take);
     }
     return takes;
 }
@@ -85,9 +84,8 @@ Json effectJson(const ExportPlan& plan, const ExportReport& report, EffectKind k
 }
 
 Result<Json> exportCommand(SessionAccess& access, const Json& arguments, const Progress& progress) {
-    const auto plan = planExport(access.session, arguments);
-    if (!plan) return tl::unexpected(plan.error());
-    return runExport(*plan, progress);
+    IMOMUSHI_TRY(const auto plan, planExport(access.session, arguments));
+    return runExport(plan, progress);
 }
 
 }  // namespace
@@ -125,22 +123,20 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         if (*targets == "all") {
             plan.options.targets = 0;
         } else {
-            const auto given = numberWithin(*targets, "targets", 1, kMaxTargetsAsked);
-            if (!given) return tl::unexpected(given.error());
-            plan.options.targets = static_cast<int>(*given);
+            IMOMUSHI_TRY(const auto given, numberWithin(*targets, "targets", 1, kMaxTargetsAsked));
+            plan.options.targets = static_cast<int>(given);
         }
     }
     if (auto ok = readNumber(arguments, "tolerance", 0.0, 1.0, plan.options.tolerance); !ok) return tl::unexpected(ok.error());
-    if (auto ok = assign(plan.path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(plan.path, pathFrom(arguments));
     // Blender makes FBX, and clamps.
     plan.options.split = arguments.value("split", plan.options.split || plan.path.extension() == ".fbx");
     plan.options.quantised = arguments.value("quantise", plan.options.quantised);
     plan.options.normals = arguments.value("normals", plan.options.normals);
 
-    const auto alive = session.builtCharacter();
-    if (!alive) return tl::unexpected(alive.error());
-    if (!*alive || document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
-    const Character& character = **alive;
+    IMOMUSHI_TRY(const auto alive, session.builtCharacter());
+    if (!alive || document.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    const Character& character = *alive;
     const CharacterPlan& shown = session.plan();
     plan.scene.name = plan.path.stem().string();
     plan.scene.character = character.input();
@@ -168,9 +164,8 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
     for (const auto& [end, point] : shown.points)
         if (auto& name = plan.scene.points[static_cast<std::size_t>(point)]; name.empty()) name = endpointText(document, end);
 
-    const auto takes = takesOf(document, find(arguments, "take"));
-    if (!takes) return tl::unexpected(takes.error());
-    for (const auto& take : *takes) plan.scene.clips.push_back(clipOf(take, shown, character, !plan.scene.rigs.empty(), plan.warnings));
+    IMOMUSHI_TRY(const auto takes, takesOf(document, find(arguments, "take")));
+    for (const auto& take : takes) plan.scene.clips.push_back(clipOf(take, shown, character, !plan.scene.rigs.empty(), plan.warnings));
     plan.performed = !plan.scene.clips.empty();
     const Json* pose = find(arguments, "pose");
     if (pose && !pose->is_boolean() && !pose->is_string()) return fail("bad-type", "\"pose\" must be true, false or the name of a clip.");
@@ -192,15 +187,14 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
 }
 
 Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
-    const auto report = exportScene(plan.scene, plan.options, plan.path, progress);
-    if (!report) return tl::unexpected(report.error());
-    Json answer{{"bytes", report->bytes}, {"files", report->files.size()}, {"path", report->files.front().string()},
-                {"vertices", report->vertices}, {"triangles", report->triangles}, {"targets", report->targets}, {"keys", report->keys},
+    IMOMUSHI_TRY(const auto report, exportScene(plan.scene, plan.options, plan.path, progress));
+    Json answer{{"bytes", report.bytes}, {"files", report.files.size()}, {"path", report.files.front().string()},
+                {"vertices", report.vertices}, {"triangles", report.triangles}, {"targets", report.targets}, {"keys", report.keys},
                 {"clips", Json::array()}};
-    for (const auto& clip : report->clips) answer["clips"].push_back({{"name", clip.name}, {"frames", clip.frames}, {"seconds", clip.seconds}});
+    for (const auto& clip : report.clips) answer["clips"].push_back({{"name", clip.name}, {"frames", clip.frames}, {"seconds", clip.seconds}});
     // The file's own mesh of a character, or the bodies of elements.
     answer["written"] = Json::array();
-    for (const auto& told : report->written) {
+    for (const auto& told : report.written) {
         Json item{{told.ownMesh ? "character" : "element", told.name}};
         if (told.ownMesh) item["parts"] = told.parts;
         item["vertices"] = told.vertices;
@@ -208,16 +202,16 @@ Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
         answer["written"].push_back(std::move(item));
     }
     answer["effects"] = Json::array();
-    for (const EffectKind kind : plan.effects) answer["effects"].push_back(effectJson(plan, *report, kind));
+    for (const EffectKind kind : plan.effects) answer["effects"].push_back(effectJson(plan, report, kind));
     // By design, and as the file was read back.
-    if (plan.options.layout == ExportLayout::Skinned) answer["skin"] = errorJson(report->skinned);
-    if (report->followed.largest > 0.0) answer["render_mesh"] = errorJson(report->followed);
-    if (report->dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report->dropped);
-    if (report->quantised > 0.0) answer["quantised"] = Json{{"max_percent", 100.0 * report->quantised}};
-    answer["check"] = errorJson(report->check);
-    answer["check"]["frames"] = report->checked;
+    if (plan.options.layout == ExportLayout::Skinned) answer["skin"] = errorJson(report.skinned);
+    if (report.followed.largest > 0.0) answer["render_mesh"] = errorJson(report.followed);
+    if (report.dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report.dropped);
+    if (report.quantised > 0.0) answer["quantised"] = Json{{"max_percent", 100.0 * report.quantised}};
+    answer["check"] = errorJson(report.check);
+    answer["check"]["frames"] = report.checked;
     answer["warnings"] = Json::array();
-    for (const auto& list : {plan.warnings, report->warnings})
+    for (const auto& list : {plan.warnings, report.warnings})
         for (const ExportWarning& warning : list) answer["warnings"].push_back({{"code", warning.code}, {"subject", warning.subject}, {"text", warning.text}});
     return answer;
 }

@@ -95,17 +95,15 @@ Result<Json> newDocument(SessionAccess& access, const Json& arguments, const Pro
 }
 
 Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&) {
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
     const bool version = arguments.contains("version");
-    auto project = access.read(*path, version ? std::optional(arguments["version"].get<std::int64_t>()) : std::nullopt);
-    if (!project) return tl::unexpected(project.error());
-    removeAbandonedPartsOf(*path);
+    IMOMUSHI_TRY(auto project, access.read(path, version ? std::optional(arguments["version"].get<std::int64_t>()) : std::nullopt));
+    removeAbandonedPartsOf(path);
     const Json* original = find(arguments, "as");
-    const std::vector<std::string> dropped = project->dropped;
+    const std::vector<std::string> dropped = project.dropped;
     // What saving would drop is not lost by an absent-minded "save".
     const bool copy = version || !dropped.empty();
-    access.replace(std::move(*project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : copy ? std::filesystem::path() : *path, !original && !copy, arguments);
+    access.replace(std::move(project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : copy ? std::filesystem::path() : path, !original && !copy, arguments);
     Json answer = contents(access.session);
     addFoundParents(access.session, answer);
     if (!dropped.empty()) answer["dropped"] = dropped;
@@ -124,12 +122,11 @@ Result<Json> save(SessionAccess& access, const Json& arguments, const Progress&)
         if (auto ok = assign(path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"save\" a \"path\" that ends in .imomushi.");
     if (path.extension() != kProjectSuffix) return fail("bad-value", "\"path\" must end in .imomushi.");
-    const auto saved = access.write(path);
-    if (!saved) return tl::unexpected(saved.error());
+    IMOMUSHI_TRY(const auto saved, access.write(path));
     if (!arguments.value("copy", false)) access.markSaved(path);
-    Json answer{{"bytes", saved->bytes}};
-    if (saved->versions) answer["versions"] = *saved->versions;
-    if (!saved->notKept.empty()) answer["not-kept"] = saved->notKept;
+    Json answer{{"bytes", saved.bytes}};
+    if (saved.versions) answer["versions"] = *saved.versions;
+    if (!saved.notKept.empty()) answer["not-kept"] = saved.notKept;
     return answer;
 }
 
@@ -138,21 +135,19 @@ Result<Json> listVersions(SessionAccess& access, const Json& arguments, const Pr
     if (arguments.contains("path"))
         if (auto ok = assign(path, pathFrom(arguments)); !ok) return tl::unexpected(ok.error());
     if (path.empty()) return fail("missing-key", "The project was never saved: give \"versions\" the \"path\" of one that was.");
-    const auto versions = projectVersions(path);
-    if (!versions) return tl::unexpected(versions.error());
+    IMOMUSHI_TRY(const auto versions, projectVersions(path));
     Json lines = Json::array();
-    for (const ProjectVersion& version : *versions) lines.push_back({{"version", version.number}, {"saved", version.saved}, {"bytes", version.bytes}});
+    for (const ProjectVersion& version : versions) lines.push_back({{"version", version.number}, {"saved", version.saved}, {"bytes", version.bytes}});
     return Json{{"versions", std::move(lines)}};
 }
 
 Result<Json> saveScript(SessionAccess& access, const Json& arguments, const Progress&) {
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
     if (!access.session.hasScript()) return fail("script-too-long", "This session has been too long for one script: save the project, and the script begins there.");
     const std::vector<Json> script = access.session.script();
     std::string lines;
     for (const Json& line : script) lines += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (auto written = writeFileAtomically(*path, lines); !written) return tl::unexpected(written.error());
+    if (auto written = writeFileAtomically(path, lines); !written) return tl::unexpected(written.error());
     return Json{{"commands", script.size()}};
 }
 

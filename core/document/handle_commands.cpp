@@ -26,9 +26,8 @@ Json faceJson(const JointFace& face) {
 
 Result<std::optional<EndpointRef>> boneFrom(const Document& document, const std::string& path) {
     if (path.empty()) return std::optional<EndpointRef>();
-    const auto end = document.endpoint(path);
-    if (!end) return tl::unexpected(end.error());
-    return std::optional(*end);
+    IMOMUSHI_TRY(const auto end, document.endpoint(path));
+    return std::optional(end);
 }
 
 /// "handle 1", "handle 2", ...: the first that is free.
@@ -45,38 +44,36 @@ Result<double> radiusFrom(const Element& element, const Json& value) {
 
 Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto element = elementOf(document, text(arguments, "element"));
-    if (!element) return tl::unexpected(element.error());
+    IMOMUSHI_TRY(const auto element, elementOf(document, text(arguments, "element")));
     std::string name;
     if (const Json* given = find(arguments, "name")) {
         name = given->get_ref<const std::string&>();
         if (auto ok = checkNewName(document, name); !ok) return tl::unexpected(ok.error());
-        if ((*element)->faceIndex(name) >= 0)
-            return fail("name-taken", "The element \"" + (*element)->name + "\" has a joint face \"" + name + "\" already: choose another name.");
+        if (element->faceIndex(name) >= 0)
+            return fail("name-taken", "The element \"" + element->name + "\" has a joint face \"" + name + "\" already: choose another name.");
     } else {
-        name = freeHandleName(document, **element);
+        name = freeHandleName(document, *element);
     }
     Handle handle;
     handle.face = name;
-    handle.radius = kDefaultHandleRadius * diagonalOf((*element)->mesh->body.vertices);
+    handle.radius = kDefaultHandleRadius * diagonalOf(element->mesh->body.vertices);
     if (const Json* given = find(arguments, "radius")) {
-        if (auto ok = assign(handle.radius, radiusFrom(**element, *given)); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(handle.radius, radiusFrom(*element, *given));
     }
     if (const Json* given = find(arguments, "bone")) {
-        if (auto ok = assign(handle.bone, boneFrom(document, given->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(handle.bone, boneFrom(document, given->get_ref<const std::string&>()));
     }
     handle.point = *vector3(arguments.at("point"));
-    auto face = handleFace(**element, handle.point, handle.radius);
-    if (!face) return tl::unexpected(face.error());
-    handle.point = nearestOnSurface((*element)->mesh->body, handle.point).point;
-    face->name = name;
-    Json answer = faceJson(*face);
+    IMOMUSHI_TRY(auto face, handleFace(*element, handle.point, handle.radius));
+    handle.point = nearestOnSurface(element->mesh->body, handle.point).point;
+    face.name = name;
+    Json answer = faceJson(face);
     answer["name"] = name;
-    answer["face"] = (*element)->name + "/" + name;
+    answer["face"] = element->name + "/" + name;
     answer["radius"] = handle.radius;
-    answer["handles"] = (*element)->handles.size() + 1;
-    exchangePart(document.elements, (*element)->id, [&](Element& changed) {
-        changed.faces.push_back(std::move(*face));
+    answer["handles"] = element->handles.size() + 1;
+    exchangePart(document.elements, element->id, [&](Element& changed) {
+        changed.faces.push_back(std::move(face));
         changed.handles.push_back(std::move(handle));
     });
     return answer;
@@ -84,9 +81,8 @@ Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progres
 
 Result<Json> removeHandle(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto handle = handleNamed(document, text(arguments, "handle"));
-    if (!handle) return tl::unexpected(handle.error());
-    removeFace(document, *handle);
+    IMOMUSHI_TRY(const auto handle, handleNamed(document, text(arguments, "handle")));
+    removeFace(document, handle);
     return Json::object();
 }
 
@@ -100,10 +96,9 @@ HandleGoal& goalOf(Document& document, const FaceRef& handle) {
 /// A handle is let go where it is.
 Result<void> leave(DocumentEdit& edit, const FaceRef& handle) {
     HandleGoal& goal = goalOf(edit.document, handle);
-    const auto left = edit.carried(handle, goal.now());
-    if (!left) return tl::unexpected(left.error());
+    IMOMUSHI_TRY(const auto left, edit.carried(handle, goal.now()));
     goal = {};
-    goal.target = *left;
+    goal.target = left;
     return {};
 }
 
@@ -161,20 +156,18 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
     Handle changed = *element.handleOf(handle.face);
     JointFace face = faceOf(document, handle);
     if (property == "radius") {
-        const auto radius = radiusFrom(element, value);
-        if (!radius) return tl::unexpected(radius.error());
-        auto made = handleFace(element, changed.point, *radius, handle.face);
-        if (!made) return tl::unexpected(made.error());
-        changed.radius = *radius;
-        made->name = handle.face;
+        IMOMUSHI_TRY(const auto radius, radiusFrom(element, value));
+        IMOMUSHI_TRY(auto made, handleFace(element, changed.point, radius, handle.face));
+        changed.radius = radius;
+        made.name = handle.face;
         // Motions stay what they are; they are told by where the middle goes, which is another one now.
-        const Vec3 step = made->frame.origin - face.frame.origin;
+        const Vec3 step = made.frame.origin - face.frame.origin;
         if (const auto goal = document.handleGoals.find(handle); goal != document.handleGoals.end())
             for (HandlePose* pose : {&goal->second.target, &goal->second.from}) pose->at += pose->turn * step;
-        face = std::move(*made);
+        face = std::move(made);
     } else if (property == "bone") {
         if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
-        if (auto ok = assign(changed.bone, boneFrom(document, value.get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(changed.bone, boneFrom(document, value.get_ref<const std::string&>()));
     } else {
         return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius and bone.");
     }
@@ -188,17 +181,16 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
 
 Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& arguments) {
     if (arguments.contains("roll")) return fail("unknown-key", "\"roll\" goes with ends of bones; a handle is turned by \"rotation\".");
-    const auto shown = edit.poseOf(handle);
-    if (!shown) return tl::unexpected(shown.error());
+    IMOMUSHI_TRY(const auto shown, edit.poseOf(handle));
     HandleGoal made;
-    made.target = *shown;
+    made.target = shown;
     made.target.held = true;
     made.target.at = *vector3(arguments.at("to"));
     if (const Json* given = find(arguments, "rotation")) {
-        if (auto ok = assign(made.target.turn, rotationFrom(*given, "rotation")); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(made.target.turn, rotationFrom(*given, "rotation"));
     }
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestHandleGlide, made.seconds); !ok) return tl::unexpected(ok.error());
-    made.from = *shown;
+    made.from = shown;
     HandleGoal& goal = goalOf(edit.document, handle);
     made.pinned = goal.pinned;
     goal = made;
@@ -210,26 +202,23 @@ Result<Json> showHandle(LiveCharacter& live, const FaceRef& handle) {
     live.hidePositions();
     Json answer;
     if (goal.seconds > 0.0) answer["seconds"] = goal.seconds;
-    const auto settled = live.settle();
-    if (!settled) return tl::unexpected(settled.error());
-    const auto now = live.poseOf(handle);
-    if (!now) return tl::unexpected(now.error());
-    answer["position"] = json(now->at);
-    answer["rotation"] = json(now->turn);
-    answer["distance"] = (now->at - goal.target.at).norm();
-    answer["settled"] = settled->settled && goal.seconds <= 0.0;
-    answer["ms"] = settled->milliseconds;
-    answer["warnings"] = live.warningTexts(settled->warnings);
+    IMOMUSHI_TRY(const auto settled, live.settle());
+    IMOMUSHI_TRY(const auto now, live.poseOf(handle));
+    answer["position"] = json(now.at);
+    answer["rotation"] = json(now.turn);
+    answer["distance"] = (now.at - goal.target.at).norm();
+    answer["settled"] = settled.settled && goal.seconds <= 0.0;
+    answer["ms"] = settled.milliseconds;
+    answer["warnings"] = live.warningTexts(settled.warnings);
     return answer;
 }
 
 Result<Json> pinHandle(DocumentEdit& edit, const FaceRef& handle) {
-    const auto shown = edit.poseOf(handle);
-    if (!shown) return tl::unexpected(shown.error());
+    IMOMUSHI_TRY(const auto shown, edit.poseOf(handle));
     HandleGoal& goal = goalOf(edit.document, handle);
     if (!goal.target.held) {
         goal = {};
-        goal.target = *shown;
+        goal.target = shown;
     }
     goal.pinned = true;
     return Json::object();

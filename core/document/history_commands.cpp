@@ -23,9 +23,8 @@ Result<Json> move(SessionAccess& access, const Json& arguments, bool back) {
     }
     const char* done = back ? "undone" : "redone";
     Json answer{{done, std::move(names)}, {"position", back ? position - count : position + count}}, ofGesture{{done, Json::array()}, {"position", position}};
-    const auto moved = back ? access.undo(count) : access.redo(count);
-    if (!moved) return tl::unexpected(moved.error());
-    return *moved ? std::move(answer) : std::move(ofGesture);
+    IMOMUSHI_TRY(const auto moved, back ? access.undo(count) : access.redo(count));
+    return moved ? std::move(answer) : std::move(ofGesture);
 }
 
 }  // namespace

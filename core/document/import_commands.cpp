@@ -18,22 +18,20 @@ namespace {
 
 Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    auto request = importRequestFrom(document, arguments);
-    if (!request) return tl::unexpected(request.error());
-    request->split = arguments.value("split", false);
+    IMOMUSHI_TRY(auto request, importRequestFrom(document, arguments));
+    request.split = arguments.value("split", false);
 
-    auto imported = edit.import(*request, progress);
-    if (!imported) return tl::unexpected(imported.error());
-    const auto usable = std::count_if(imported->bodies.begin(), imported->bodies.end(), [](const ImportedBody& body) { return body.closed; });
-    if (imported->bodies.empty()) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    IMOMUSHI_TRY(auto imported, edit.import(request, progress));
+    const auto usable = std::count_if(imported.bodies.begin(), imported.bodies.end(), [](const ImportedBody& body) { return body.closed; });
+    if (imported.bodies.empty()) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
     if (usable == 0) {
-        const Error error = importRefusal(imported->bodies.front());
+        const Error error = importRefusal(imported.bodies.front());
         return fail(error.code, error.message);
     }
 
     Json elements = Json::array(), issues = Json::array();
-    for (const MeshIssue& issue : imported->issues) issues.push_back(issueJson(issue));
-    for (ImportedBody& body : imported->bodies) {
+    for (const MeshIssue& issue : imported.issues) issues.push_back(issueJson(issue));
+    for (ImportedBody& body : imported.bodies) {
         if (!body.closed) {
             issues.push_back({{"code", "left-out"}, {"text", importRefusal(body).message + " It was left out."}, {"count", 1}, {"fixed", false}, {"severity", "warning"}});
             continue;
@@ -56,44 +54,40 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
         }
         document.elements.emplace(element.id, std::make_shared<const Element>(std::move(element)));
     }
-    Json answer{{"elements", std::move(elements)}, {"issues", std::move(issues)}, {"format", imported->format},
-                {"metres_per_unit", imported->metresPerUnit}, {"turned_z_up", imported->zUpConverted}};
+    Json answer{{"elements", std::move(elements)}, {"issues", std::move(issues)}, {"format", imported.format},
+                {"metres_per_unit", imported.metresPerUnit}, {"turned_z_up", imported.zUpConverted}};
     return answer;
 }
 
 Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto request = importRequestFrom(document, arguments);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto request, importRequestFrom(document, arguments));
     BodySetting setting;
     using Kind = std::optional<BodyKind>;  // none: unmended
-    const auto how = choiceFrom<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto));
-    if (!how) return tl::unexpected(how.error());
-    setting.how = how->value_or(BodyKind::Wrapped);
+    IMOMUSHI_TRY(const auto how, choiceFrom<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto)));
+    setting.how = how.value_or(BodyKind::Wrapped);
     if (auto ok = readNumber(arguments, "detail", kFinestDetail, kCoarsestDetail, setting.detail); !ok) return tl::unexpected(ok.error());
-    auto imported = edit.importCharacter(*request, progress.part(0.0, 0.3));
-    if (!imported) return tl::unexpected(imported.error());
-    if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request->path.string() + "\" holds no surface.");
+    IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress.part(0.0, 0.3)));
+    if (imported.renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
     std::vector<MeshIssue> found;  // to be mended later, if anything is
-    if (!*how) found = mendableIssues(imported->renderModel);
-    if (!*how && found.empty()) setting.how = BodyKind::Auto;
+    if (!how) found = mendableIssues(imported.renderModel);
+    if (!how && found.empty()) setting.how = BodyKind::Auto;
     if (!found.empty() && setting.detail == 0.0) setting.detail = kPassingDetail;
-    auto body = edit.makeBody(imported->renderModel, setting, progress.part(0.3, 1.0));
-    if (!body) return tl::unexpected(body.error());
+    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, setting, progress.part(0.3, 1.0)));
 
     CharacterSource character;
     character.id = document.nextId++;
     const Json* name = find(arguments, "name");
-    character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported->renderModel.parts.size() == 1 ? imported->renderModel.parts[0] : request->path.stem().string());
-    std::vector<MeshIssue> said = std::move(body->report.issues);
+    character.name = freeName(document, name ? name->get_ref<const std::string&>() : imported.renderModel.parts.size() == 1 ? imported.renderModel.parts[0] : request.path.stem().string());
+    std::vector<MeshIssue> said = std::move(body.report.issues);
     if (!found.empty()) std::erase_if(said, [](const MeshIssue& issue) { return issue.fixed; });  // a wrap alone mends nothing
     said.insert(said.begin(), found.begin(), found.end());
-    character.issues = issuesWith(imported->issues, imported->renderModel, std::move(said));
-    const double seconds = std::exchange(body->report.seconds, 0.0);  // the rest of the report is the same each time
-    body->report.issues.clear();
-    if (imported->rig) character.rig = std::make_shared<const Rig>(std::move(*imported->rig));
-    character.model = std::make_shared<const RenderModel>(std::move(imported->renderModel));
-    character.body = std::make_shared<const Body>(std::move(*body));
+    character.issues = issuesWith(imported.issues, imported.renderModel, std::move(said));
+    const double seconds = std::exchange(body.report.seconds, 0.0);  // the rest of the report is the same each time
+    body.report.issues.clear();
+    if (imported.rig) character.rig = std::make_shared<const Rig>(std::move(*imported.rig));
+    character.model = std::make_shared<const RenderModel>(std::move(imported.renderModel));
+    character.body = std::make_shared<const Body>(std::move(body));
     const auto added = document.characters.emplace(character.id, std::make_shared<const CharacterSource>(std::move(character))).first->second;
     Element element = wholeElement(*added);
     element.id = document.nextId++;
@@ -111,9 +105,9 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     answer["clips"] = line["clips"];
     answer["issues"] = Json::array();
     for (const MeshIssue& issue : added->issues) answer["issues"].push_back(issueJson(issue));
-    answer["format"] = imported->format;
-    answer["metres_per_unit"] = imported->metresPerUnit;
-    answer["turned_z_up"] = imported->zUpConverted;
+    answer["format"] = imported.format;
+    answer["metres_per_unit"] = imported.metresPerUnit;
+    answer["turned_z_up"] = imported.zUpConverted;
     return answer;
 }
 

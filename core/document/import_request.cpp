@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/import_request.h"
 
+#include "core/base/try.h"
 #include "core/document/names.h"
 
 namespace imomushi {
 
 Result<ImportRequest> importRequestFrom(const Document& document, const Json& arguments) {
     ImportRequest request;
-    const auto path = pathFrom(arguments);
-    if (!path) return tl::unexpected(path.error());
-    request.path = *path;
-    const auto unit = choiceFrom<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile);
-    if (!unit) return tl::unexpected(unit.error());
-    request.unit = *unit;
-    const auto up = choiceFrom<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile);
-    if (!up) return tl::unexpected(up.error());
-    request.up = *up;
+    IMOMUSHI_TRY(request.path, pathFrom(arguments));
+    IMOMUSHI_TRY(request.unit, choiceFrom<Unit>(arguments, "unit", {{"mm", Unit::Millimetre}, {"cm", Unit::Centimetre}, {"m", Unit::Metre}}, Unit::AsInFile));
+    IMOMUSHI_TRY(request.up, choiceFrom<UpAxis>(arguments, "up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}, UpAxis::AsInFile));
     if (const Json* name = find(arguments, "name"))
         if (auto ok = checkNewName(document, name->get_ref<const std::string&>()); !ok) return tl::unexpected(ok.error());
     return request;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <new>
 
+#include "core/base/try.h"
 #include "core/document/character_change.h"
 #include "core/document/morph_weights.h"
 #include "core/touch/touch_contact.h"
@@ -34,10 +35,9 @@ Result<std::shared_ptr<const CharacterPlan>> LiveCharacter::planOf(const Documen
         std::rotate(known, known + 1, knownPlans_.end());
         return knownPlans_.back().plan;
     }
-    auto planned = planCharacter(of);
-    if (!planned) return tl::unexpected(planned.error());
+    IMOMUSHI_TRY(auto planned, planCharacter(of));
     if (knownPlans_.size() == 2) knownPlans_.erase(knownPlans_.begin());
-    knownPlans_.push_back({of.elements, of.joints, of.bones, of.settings, of.effects, std::make_shared<const CharacterPlan>(std::move(*planned))});
+    knownPlans_.push_back({of.elements, of.joints, of.bones, of.settings, of.effects, std::make_shared<const CharacterPlan>(std::move(planned))});
     return knownPlans_.back().plan;
 }
 
@@ -130,9 +130,7 @@ Result<void> LiveCharacter::prepare() {
     const bool dynamic = effects.has(EffectKind::BoneDynamics) && !plan_.input.skeleton.bones.empty();
     if (performance_ && performance_->isDynamic() == dynamic && performance_->hasGround() == effects.has(EffectKind::Ground)) return performance_->set(effects);
     performance_.reset();
-    auto made = Performance::build(document(), plan_);
-    if (!made) return tl::unexpected(made.error());
-    performance_ = std::move(*made);
+    IMOMUSHI_TRY(performance_, Performance::build(document(), plan_));
     seeFlesh();
     collectGoals();
     performance_->reset(posed(), goals_);
@@ -214,8 +212,7 @@ void LiveCharacter::collectGoals() {
 }
 
 Result<LiveCharacter::Settled> LiveCharacter::settle() {
-    auto alive = built();
-    if (!alive) return tl::unexpected(alive.error());
+    if (auto alive = built(); !alive) return tl::unexpected(alive.error());
     Settled settled;
     if (!character_) return settled;
     const auto start = std::chrono::steady_clock::now();
@@ -234,8 +231,7 @@ Result<LiveCharacter::Settled> LiveCharacter::settle() {
 }
 
 Result<void> LiveCharacter::returnToRest() {
-    auto alive = built();
-    if (!alive) return tl::unexpected(alive.error());
+    if (auto alive = built(); !alive) return tl::unexpected(alive.error());
     if (!character_) return {};
     history_.pose() = restPose(plan_.input.skeleton);
     collectGoals();

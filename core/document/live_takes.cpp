@@ -2,6 +2,7 @@
 // Takes of the live character: recording what frames show, and showing it again.
 #include <algorithm>
 
+#include "core/base/try.h"
 #include "core/document/live_character.h"
 #include "core/mesh/bounds.h"
 
@@ -39,9 +40,8 @@ Take LiveCharacter::emptyTake(const std::string& name) const {
 }
 
 Result<void> LiveCharacter::startRecording(const std::string& name) {
-    auto alive = built();
-    if (!alive) return tl::unexpected(alive.error());
-    if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
+    IMOMUSHI_TRY(auto alive, built());
+    if (!alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
     if (shownTake_) showPose();
     Recording made;
     made.take = emptyTake(name);
@@ -98,9 +98,8 @@ void LiveCharacter::endRecording() noexcept {
 }
 
 Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vector<double>& times, const std::function<PlayedFrame(double time)>& frameAt, const Progress& progress) {
-    auto alive = built();
-    if (!alive) return tl::unexpected(alive.error());
-    if (!*alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
+    IMOMUSHI_TRY(auto alive, built());
+    if (!alive) return fail("no-element", "There is nothing to record: import an element or add a bone first.");
     Take take = emptyTake(name);
     take.times = times;
     std::vector<double> shape(static_cast<std::size_t>(take.layout.size()));
@@ -137,9 +136,8 @@ Result<Take> LiveCharacter::playThrough(const std::string& name, const std::vect
 }
 
 Result<bool> LiveCharacter::showTake(const Take& take, double time) {
-    auto alive = built();
-    if (!alive) return tl::unexpected(alive.error());
-    if (!*alive) return fail("no-element", "There is nothing left to show a take with: undo to when it was recorded.");
+    IMOMUSHI_TRY(auto alive, built());
+    if (!alive) return fail("no-element", "There is nothing left to show a take with: undo to when it was recorded.");
     const TakeMoment moment = momentAt(take.times, time);
     positions_.clear();
     shownTake_ = takePose(take, moment, plan_.bones, plan_.input.skeleton);

@@ -191,22 +191,21 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
     if (const Json* name = find(arguments, "character")) {
         for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
             if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" goes with a file, not with a character that is there.");
-        const auto character = characterOf(access.document(), name->get_ref<const std::string&>());
-        if (!character) return tl::unexpected(character.error());
-        const auto elements = access.document().elementsOf((*character)->id);
+        IMOMUSHI_TRY(const auto character, characterOf(access.document(), name->get_ref<const std::string&>()));
+        const auto elements = access.document().elementsOf(character->id);
         std::set<PartId> own(elements.begin(), elements.end());
         bool bones = false, handles = false;
         for (const auto& [id, bone] : access.document().bones) bones = bones || own.contains(bone->element);
         for (const PartId id : elements) handles = handles || !access.document().elements.at(id)->handles.empty();
-        if (!(*character)->cuts.empty() || bones || handles)
-            return fail("already-cut", "The character \"" + (*character)->name + "\" has cuts, bones or handles already: take them out first, or use propose and do by hand what you want of it.");
-        return (*character)->id;
+        if (!character->cuts.empty() || bones || handles)
+            return fail("already-cut", "The character \"" + character->name + "\" has cuts, bones or handles already: take them out first, or use propose and do by hand what you want of it.");
+        return character->id;
     }
     if (!arguments.contains("path")) return fail("missing-key", "\"make-soft\" needs the key \"path\" or \"character\".");
     Json line{{"do", "import-character"}};
     for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
         if (const Json* value = find(arguments, key)) line[key] = *value;
-    if (auto ok = assign(answer, access.execute(line, progress)); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(answer, access.execute(line, progress));
     return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
 }
 
@@ -257,8 +256,7 @@ Result<Json> precomputeAll(SessionAccess& access, PartId character, Json& refuse
 }
 
 Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progress& progress) {
-    const auto request = proposalRequestFrom(arguments);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto request, proposalRequestFrom(arguments));
     if (arguments.contains("proposal"))
         for (const char* key : {"from", "least", "bones"})
             if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" asks for a proposal: it does not go with \"proposal\", which is one.");
@@ -266,16 +264,14 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     Json seconds;
     Step step(access);
     Json imported = Json::object();
-    const auto character = characterFor(access, arguments, imported, progress.part(0.0, 0.1));
-    if (!character) return tl::unexpected(character.error());
+    IMOMUSHI_TRY(const auto character, characterFor(access, arguments, imported, progress.part(0.0, 0.1)));
     seconds["body"] = watch.lap();
-    const auto source = access.document().characters.at(*character);
+    const auto source = access.document().characters.at(character);
     const Json* given = find(arguments, "proposal");
-    const auto proposal = given ? proposalFrom(*source, *given) : access.propose(*source, *request, progress.part(0.1, 0.2));
-    if (!proposal) return tl::unexpected(proposal.error());
+    IMOMUSHI_TRY(const auto proposal, given ? proposalFrom(*source, *given) : access.propose(*source, request, progress.part(0.1, 0.2)));
     seconds["propose"] = watch.lap();
     const Progress rest = progress.part(0.2, 0.3);
-    Maker maker(access, *character, *proposal, rest);
+    Maker maker(access, character, proposal, rest);
     if (auto ok = maker.cut(); !ok) return tl::unexpected(ok.error());
     seconds["cut"] = watch.lap();
     for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
@@ -287,21 +283,21 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     Json precomputed = Json::array();
     int drafts = 0;
     if (arguments.value("draft", false)) {
-        if (auto ok = assign(drafts, draftAll(access, *character, maker.refused, progress.part(0.3, 0.4))); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(drafts, draftAll(access, character, maker.refused, progress.part(0.3, 0.4)));
         seconds["draft"] = watch.lap();
         access.changedResponses();
     }
     if (arguments.value("precompute", true)) {
-        if (auto ok = assign(precomputed, precomputeAll(access, *character, maker.refused, progress.part(0.4, 1.0))); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(precomputed, precomputeAll(access, character, maker.refused, progress.part(0.4, 1.0)));
         seconds["precompute"] = watch.lap();
         access.changedResponses();
     }
     seconds["all"] = whole.lap();
 
-    Json answer = characterJson(access.document(), *access.document().characters.at(*character));
+    Json answer = characterJson(access.document(), *access.document().characters.at(character));
     answer["character"] = source->name;
     answer.erase("name");
-    answer["proposal"] = proposalJson(*source, *proposal);
+    answer["proposal"] = proposalJson(*source, proposal);
     answer["bones"] = maker.boneNames();
     answer["pins"] = maker.pins;
     answer["handles"] = maker.handles;

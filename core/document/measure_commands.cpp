@@ -58,7 +58,7 @@ Result<Json> measure(SessionAccess& access, const Json& arguments, const Progres
     const std::string& what = text(arguments, "what");
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        if (auto ok = assign(element, elementOf(session.document(), name->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(element, elementOf(session.document(), name->get_ref<const std::string&>()));
     }
     const auto needs = [&](const char* key) { return fail("missing-key", "To measure \"" + what + "\", \"measure\" needs the key \"" + key + "\"."); };
     if (what != "stiffness")
@@ -118,21 +118,17 @@ Result<Json> measure(SessionAccess& access, const Json& arguments, const Progres
     } else if (what == "position") {
         if (!arguments.contains("endpoint")) return needs("endpoint");
         if (const auto handle = session.document().handle(text(arguments, "endpoint"))) {
-            const auto pose = session.poseOf(*handle);
-            if (!pose) return tl::unexpected(pose.error());
-            answer["value"] = json(pose->at);
+            IMOMUSHI_TRY(const auto pose, session.poseOf(*handle));
+            answer["value"] = json(pose.at);
             return answer;
         }
-        const auto end = session.document().endpoint(text(arguments, "endpoint"));
-        if (!end) return tl::unexpected(end.error());
-        const auto position = session.positionOf(*end);
-        if (!position) return tl::unexpected(position.error());
-        answer["value"] = json(*position);
+        IMOMUSHI_TRY(const auto end, session.document().endpoint(text(arguments, "endpoint")));
+        IMOMUSHI_TRY(const auto position, session.positionOf(end));
+        answer["value"] = json(position);
     } else if (what == "length") {
         if (!arguments.contains("bone")) return needs("bone");
-        const auto bone = boneOf(session.document(), text(arguments, "bone"));
-        if (!bone) return tl::unexpected(bone.error());
-        const auto start = session.positionOf({(*bone)->id, false}), end = session.positionOf({(*bone)->id, true});
+        IMOMUSHI_TRY(const auto bone, boneOf(session.document(), text(arguments, "bone")));
+        const auto start = session.positionOf({bone->id, false}), end = session.positionOf({bone->id, true});
         if (!start || !end) return tl::unexpected((start ? end : start).error());
         answer["value"] = (*end - *start).norm();
     } else {
@@ -145,7 +141,7 @@ Result<Json> writeMeshCommand(SessionAccess& access, const Json& arguments, cons
     Session& session = access.session;
     std::shared_ptr<const Element> element;
     if (const Json* name = find(arguments, "element")) {
-        if (auto ok = assign(element, elementOf(session.document(), name->get_ref<const std::string&>())); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(element, elementOf(session.document(), name->get_ref<const std::string&>()));
     }
     const std::string state = arguments.contains("state") ? text(arguments, "state") : "current";
     if (state != "rest" && state != "current") return fail("bad-value", "\"state\" must be \"rest\" or \"current\".");
@@ -153,10 +149,9 @@ Result<Json> writeMeshCommand(SessionAccess& access, const Json& arguments, cons
         if (auto alive = session.builtCharacter(); !alive) return tl::unexpected(alive.error());
     if (const Json* name = find(arguments, "character")) {
         if (element) return fail("unknown-key", "\"write-mesh\" takes either \"element\" or \"character\".");
-        const auto character = characterOf(session.document(), name->get_ref<const std::string&>());
-        if (!character) return tl::unexpected(character.error());
-        const TriangleMesh& model = (*character)->model->mesh.body;
-        const Points vertices = state == "rest" ? model.vertices : session.renderPositionsOf((*character)->id);
+        IMOMUSHI_TRY(const auto character, characterOf(session.document(), name->get_ref<const std::string&>()));
+        const TriangleMesh& model = character->model->mesh.body;
+        const Points vertices = state == "rest" ? model.vertices : session.renderPositionsOf(character->id);
         if (auto written = writeMesh(text(arguments, "path"), vertices, model.triangles); !written) return tl::unexpected(written.error());
         return Json{{"vertices", model.vertices.rows()}, {"triangles", model.triangles.rows()}};
     }

@@ -357,9 +357,8 @@ Result<void> resolve(const Document& document, const std::string& name, Asked& a
     } else if (const auto handle = document.handle(name)) {
         asked.faces.insert(*handle);
     } else if (name.find('/') != std::string::npos) {
-        const auto face = document.face(name);
-        if (!face) return tl::unexpected(face.error());
-        asked.faces.insert(*face);
+        IMOMUSHI_TRY(const auto face, document.face(name));
+        asked.faces.insert(face);
     } else {
         return fail("no-such-target", "There is no element, character, bone, cut or handle \"" + name + "\"; joint faces are named \"element/face\".");
     }

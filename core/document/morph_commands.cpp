@@ -11,25 +11,23 @@ namespace {
 
 Result<Json> morph(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    const auto character = characterOf(document, text(arguments, "character"));
-    if (!character) return tl::unexpected(character.error());
-    const RenderModel& model = *(*character)->model;
-    if (model.morphs.empty()) return fail("no-such-target", "The file of \"" + (*character)->name + "\" brought no morph targets.");
+    IMOMUSHI_TRY(const auto character, characterOf(document, text(arguments, "character")));
+    const RenderModel& model = *character->model;
+    if (model.morphs.empty()) return fail("no-such-target", "The file of \"" + character->name + "\" brought no morph targets.");
     const std::string& name = text(arguments, "target");
     const int target = model.morphIndex(name);
     if (target < 0) {
         std::string known;
         for (const MorphTarget& t : model.morphs) known += (known.empty() ? "\"" : ", \"") + t.name + "\"";
-        return fail("no-such-target", "\"" + (*character)->name + "\" has no morph target \"" + name + "\"; it has " + known + ".");
+        return fail("no-such-target", "\"" + character->name + "\" has no morph target \"" + name + "\"; it has " + known + ".");
     }
-    const auto weight = numberWithin(arguments.at("weight"), "weight", -kLargestMorphWeight, kLargestMorphWeight);
-    if (!weight) return tl::unexpected(weight.error());
-    const MorphRef ref{(*character)->id, target};
-    if (*weight == model.morphs[static_cast<std::size_t>(target)].atRest)
+    IMOMUSHI_TRY(const auto weight, numberWithin(arguments.at("weight"), "weight", -kLargestMorphWeight, kLargestMorphWeight));
+    const MorphRef ref{character->id, target};
+    if (weight == model.morphs[static_cast<std::size_t>(target)].atRest)
         document.morphs.erase(ref);
     else
-        document.morphs.insert_or_assign(ref, *weight);
-    return Json{{"weight", *weight}};
+        document.morphs.insert_or_assign(ref, weight);
+    return Json{{"weight", weight}};
 }
 
 Result<Json> showMorph(LiveCharacter& live, const Json&, Json answer) {

@@ -42,14 +42,13 @@ Result<std::shared_ptr<const ElementResponse>> solved(ResponseStore& store, Resp
 
 /// The document's character. Responses of this comparison are not kept in the session: they would be saved with the project.
 Result<ComparedModels> modelsOf(Session& session, const Progress& progress) {
-    auto plan = planCharacter(session.document());
-    if (!plan) return tl::unexpected(plan.error());
+    IMOMUSHI_TRY(auto plan, planCharacter(session.document()));
     ComparedModels out;
-    out.input = std::move(plan->input);
+    out.input = std::move(plan.input);
     if (out.input.skeleton.bones.empty()) return fail("no-bone", "There is no bone to move the character by: add bones first.");
     std::size_t faces = 0;
     double kept = 0.0, peak = 0.0;
-    for (const PartId id : plan->elements) {
+    for (const PartId id : plan.elements) {
         ResponseInput in = session.responseInput(id);
         faces += in.faces.size();
         if (in.faces.empty()) continue;
@@ -63,19 +62,17 @@ Result<ComparedModels> modelsOf(Session& session, const Progress& progress) {
     if (kept + peak > kMaxBytes)
         return fail("too-large", "The previous model would need " + formatted("%.1f", 1e-9 * (kept + peak)) + " GB for this character, more than " +
                                      formatted("%.0f", 1e-9 * kMaxBytes) + " GB: use coarser elements, or an empty document for the paper's caterpillar.");
-    const double count = static_cast<double>(plan->elements.size());
-    for (std::size_t e = 0; e < plan->elements.size(); ++e) {
-        const ResponseInput in = session.responseInput(plan->elements[e]);
-        const std::string& name = session.document().elements.at(plan->elements[e])->name;
+    const double count = static_cast<double>(plan.elements.size());
+    for (std::size_t e = 0; e < plan.elements.size(); ++e) {
+        const ResponseInput in = session.responseInput(plan.elements[e]);
+        const std::string& name = session.document().elements.at(plan.elements[e])->name;
         std::shared_ptr<const ElementResponse> full;
         if (!in.faces.empty()) {
             const double at = static_cast<double>(e);
-            auto paper = solved(session.responses().store(), in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count));
-            if (!paper) return tl::unexpected(paper.error());
-            auto all = solved(session.responses().store(), in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count));
-            if (!all) return tl::unexpected(all.error());
-            out.input.elements[e].response = std::move(*paper);
-            full = std::move(*all);
+            IMOMUSHI_TRY(auto paper, solved(session.responses().store(), in, BasisKind::Paper, name, progress.part(at / count, (at + 0.3) / count)));
+            IMOMUSHI_TRY(auto all, solved(session.responses().store(), in, BasisKind::Full, name, progress.part((at + 0.3) / count, (at + 1.0) / count)));
+            out.input.elements[e].response = std::move(paper);
+            full = std::move(all);
         }
         out.full.push_back(std::move(full));
     }
@@ -105,7 +102,7 @@ Result<Limits> limitsOf(const ComparedModels& models, double seconds, const Prog
     if (all > 1)
         if (auto ok = add("proposed", all, growProposed(all, seconds, progress.part(0.25, 0.5))); !ok) return tl::unexpected(ok.error());
     if (auto ok = add("previous", 1, growPrevious(seconds, progress.part(0.5, 0.75))); !ok) return tl::unexpected(ok.error());
-    if (auto ok = assign(out.divergence, previousDivergence(models, progress.part(0.75, 1.0))); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(out.divergence, previousDivergence(models, progress.part(0.75, 1.0)));
     return out;
 }
 
@@ -264,32 +261,28 @@ std::string csv(const ModelTable& table, const Limits& limits) {
 
 Result<Json> paper(SessionAccess& access, const Json& arguments, const Progress& progress) {
     Session& session = access.session;
-    const auto path = outputPath(arguments, "path", {".json", ".md", ".csv"});
-    if (!path) return tl::unexpected(path.error());
-    const auto svg = outputPath(arguments, "svg", {".svg"});
-    if (!svg) return tl::unexpected(svg.error());
+    IMOMUSHI_TRY(const auto path, outputPath(arguments, "path", {".json", ".md", ".csv"}));
+    IMOMUSHI_TRY(const auto svg, outputPath(arguments, "svg", {".svg"}));
     const bool empty = session.document().elements.empty();
     double seconds = kGrowthSeconds;
     if (auto ok = readNumber(arguments, "seconds", 0.0, 1e6, seconds); !ok) return tl::unexpected(ok.error());
-    auto models = empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(session, progress.part(0.0, 0.8));
-    if (!models) return tl::unexpected(models.error());
-    const auto table = compareModels(*models, empty ? progress.part(0.1, 0.3) : progress.part(0.8, 1.0));
-    if (!table) return tl::unexpected(table.error());
-    Json answer = tableJson(*table, empty ? "built-in caterpillar" : "document");
+    IMOMUSHI_TRY(auto models, empty ? solvedPaperCaterpillar(progress.part(0.0, 0.1)) : modelsOf(session, progress.part(0.0, 0.8)));
+    IMOMUSHI_TRY(const auto table, compareModels(models, empty ? progress.part(0.1, 0.3) : progress.part(0.8, 1.0)));
+    Json answer = tableJson(table, empty ? "built-in caterpillar" : "document");
     Limits limits;
     if (empty && seconds > 0.0) {
-        if (auto ok = assign(limits, limitsOf(*models, seconds, progress.part(0.3, 1.0))); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(limits, limitsOf(models, seconds, progress.part(0.3, 1.0)));
         addLimits(answer, limits);
-        if (!svg->empty()) {
-            if (auto written = writeFileAtomically(*svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());
-            const auto growth = svg->parent_path() / (svg->stem().string() + "-growth.svg");
+        if (!svg.empty()) {
+            if (auto written = writeFileAtomically(svg, divergencePlot(limits).svg()); !written) return tl::unexpected(written.error());
+            const auto growth = svg.parent_path() / (svg.stem().string() + "-growth.svg");
             if (auto written = writeFileAtomically(growth, growthPlot(limits).svg()); !written) return tl::unexpected(written.error());
         }
     }
-    if (!path->empty()) {
-        const std::string suffix = path->extension().string();
-        const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(*table, limits, answer) : csv(*table, limits);
-        if (auto written = writeFileAtomically(*path, bytes); !written) return tl::unexpected(written.error());
+    if (!path.empty()) {
+        const std::string suffix = path.extension().string();
+        const std::string bytes = suffix == ".json" ? answer.dump(2) + "\n" : suffix == ".md" ? markdown(table, limits, answer) : csv(table, limits);
+        if (auto written = writeFileAtomically(path, bytes); !written) return tl::unexpected(written.error());
     }
     return answer;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/performance.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/base/union_find.h"
 #include "core/character/ground_job.h"
 #include "core/document/bone_effects.h"
@@ -86,9 +86,7 @@ Result<Performance> Performance::build(const Document& document, const Character
     for (std::size_t i = 0; i < made.skeleton_.points.size(); ++i) made.wholeOf_.push_back(wholes.find(static_cast<std::int32_t>(i)));
     made.take(document.effects);
     if (document.effects.has(EffectKind::BoneDynamics) && !plan.input.skeleton.bones.empty()) {
-        auto dynamics = BoneDynamics::build({plan.input.skeleton, massesOf(document, plan), made.settingsOf(document.effects)});
-        if (!dynamics) return tl::unexpected(dynamics.error());
-        made.dynamics_ = std::move(*dynamics);
+        IMOMUSHI_TRY(made.dynamics_, BoneDynamics::build({plan.input.skeleton, massesOf(document, plan), made.settingsOf(document.effects)}));
     }
     made.clearing_.emplace(made.skeleton_);
     made.kinematic_ = made.raised_ = made.next_ = made.shown_ = restPose(made.skeleton_);

@@ -18,22 +18,21 @@ constexpr double kVisibleVolume = 0.02;
 constexpr double kVisibleCrease = 0.7, kSmoothBend = 0.45;
 
 Result<Json> checkPoseCommand(SessionAccess& access, const Json&, const Progress&) {
-    const auto findings = checkPose(access.live);
-    if (!findings) return tl::unexpected(findings.error());
+    IMOMUSHI_TRY(const auto findings, checkPose(access.live));
     const Document& document = access.document();
     Json list = Json::array();
-    for (const PoseFinding& f : *findings) {
+    for (const PoseFinding& f : findings) {
         Json one{{"element", document.elements.at(f.element)->name}, {"what", std::string(poseFindingName(f.kind))}, {"measure", f.measure}};
         if (f.mend) one["effect"] = std::string(effectName(*f.mend));
         list.push_back(std::move(one));
     }
-    Json answer{{"fits", findings->empty()}, {"leaves", std::move(list)}};
-    if (const auto mend = mendOf(*findings)) {
+    Json answer{{"fits", findings.empty()}, {"leaves", std::move(list)}};
+    if (const auto mend = mendOf(findings)) {
         Json command{{"do", "enable"}, {"effect", std::string(effectName(*mend))}};
         if (effectDescriptor(*mend).canBeAutomatic) command["auto"] = true;
         const EffectCost cost = access.responses.costOf(*mend);
         answer["mend"] = {{"command", std::move(command)}, {"ms_per_frame", cost.milliseconds}, {"precompute", cost.precompute}};
-    } else if (!findings->empty()) {
+    } else if (!findings.empty()) {
         answer["mend"] = {{"command", {{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "affine"}}}, {"precompute", true}};
     }
     return answer;
@@ -47,17 +46,16 @@ std::string_view poseFindingName(PoseFinding::Kind kind) {
 }
 
 Result<std::vector<PoseFinding>> checkPose(LiveCharacter& live) {
-    const auto alive = live.built();
-    if (!alive) return tl::unexpected(alive.error());
+    IMOMUSHI_TRY(const auto alive, live.built());
     std::vector<PoseFinding> found;
-    if (!*alive) return found;
+    if (!alive) return found;
     const Document& document = live.document();
-    const auto measures = (*alive)->measurePose();
-    const bool losesTwist = ((*alive)->stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist)) != 0;
+    const auto measures = alive->measurePose();
+    const bool losesTwist = (alive->stats().warnings & static_cast<unsigned>(FrameWarning::BasisLosesTwist)) != 0;
     for (std::size_t e = 0; e < measures.size(); ++e) {
         const PartId id = live.plan().elements[e];
         const PoseMeasures& m = measures[e];
-        if ((*alive)->isWarped(static_cast<int>(e))) continue;
+        if (alive->isWarped(static_cast<int>(e))) continue;
         using Kind = PoseFinding::Kind;
         if (m.area <= 0.0) found.push_back({id, Kind::Fold, m.area, EffectKind::BendWarp});
         if (m.depth <= 0.0) found.push_back({id, Kind::Crossing, m.depth, EffectKind::BendWarp});

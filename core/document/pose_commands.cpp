@@ -38,34 +38,30 @@ struct ShownEndpoint {
     const CharacterPlan& plan;
 };
 Result<ShownEndpoint> endpointOf(const DocumentEdit& edit, const Json& arguments) {
-    const auto end = edit.document.endpoint(text(arguments, "endpoint"));
-    if (!end) return tl::unexpected(end.error());
-    const auto plan = edit.shownPlan();
-    if (!plan) return tl::unexpected(plan.error());
-    return ShownEndpoint{*end, **plan};
+    IMOMUSHI_TRY(const auto end, edit.document.endpoint(text(arguments, "endpoint")));
+    IMOMUSHI_TRY(const auto plan, edit.shownPlan());
+    return ShownEndpoint{end, *plan};
 }
 
 Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return pinHandle(edit, *handle);
-    const auto shown = endpointOf(edit, arguments);
-    if (!shown) return tl::unexpected(shown.error());
-    const auto position = edit.positionOf(shown->end);
-    if (!position) return tl::unexpected(position.error());
-    auto held = heldAt(edit.document, shown->plan, shown->end);
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    IMOMUSHI_TRY(const auto position, edit.positionOf(shown.end));
+    auto held = heldAt(edit.document, shown.plan, shown.end);
     if (held == edit.document.goals.end()) {
         EndpointGoal made;
-        made.target = *position;
-        held = edit.document.goals.emplace(shown->end, made).first;
+        made.target = position;
+        held = edit.document.goals.emplace(shown.end, made).first;
     }
     held->second.pinned = true;
     if (const Json* orientation = find(arguments, "orientation")) {
-        if (orientation->get<bool>() && held->first != shown->end) {  // it is held by a bone that meets this one
+        if (orientation->get<bool>() && held->first != shown.end) {  // it is held by a bone that meets this one
             auto taken = edit.document.goals.extract(held);
-            taken.key() = shown->end;
+            taken.key() = shown.end;
             held = edit.document.goals.insert(std::move(taken)).position;
         }
         held->second.turn.reset();
-        const auto bone = static_cast<std::size_t>(shown->plan.boneIndex(held->first.bone));
+        const auto bone = static_cast<std::size_t>(shown.plan.boneIndex(held->first.bone));
         const auto& frames = edit.document.pose.frames;
         const Eigen::Quaterniond turn = bone < frames.size() ? frames[bone] : Eigen::Quaterniond::Identity();
         if (orientation->get<bool>()) held->second.turn = std::array{turn.x(), turn.y(), turn.z(), turn.w()};
@@ -75,9 +71,8 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
 
 Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return unpinHandle(edit, *handle);
-    const auto shown = endpointOf(edit, arguments);
-    if (!shown) return tl::unexpected(shown.error());
-    const auto held = heldAt(edit.document, shown->plan, shown->end);
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    const auto held = heldAt(edit.document, shown.plan, shown.end);
     if (held == edit.document.goals.end() || !held->second.pinned)
         return fail("not-pinned", "The endpoint \"" + text(arguments, "endpoint") + "\" is not pinned.");
     edit.document.goals.erase(held);
@@ -87,18 +82,16 @@ Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
 Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return dragHandle(edit, *handle, arguments);
     if (arguments.contains("rotation")) return fail("unknown-key", "\"rotation\" goes with handles; the end of a bone is turned by \"roll\".");
-    const auto shown = endpointOf(edit, arguments);
-    if (!shown) return tl::unexpected(shown.error());
-    const auto position = edit.positionOf(shown->end);
-    if (!position) return tl::unexpected(position.error());
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    IMOMUSHI_TRY(const auto position, edit.positionOf(shown.end));
     EndpointGoal made;
     made.target = *vector3(arguments.at("to"));
     if (auto ok = readNumber(arguments, "roll", -kLargestRoll, kLargestRoll, made.roll); !ok) return tl::unexpected(ok.error());
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestGlide, made.seconds); !ok) return tl::unexpected(ok.error());
-    made.from = *position;
+    made.from = position;
     Document& document = edit.document;
-    if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown->plan.pointIndex(shown->end))];
-    if (const auto held = heldAt(document, shown->plan, shown->end); held != document.goals.end()) {
+    if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown.plan.pointIndex(shown.end))];
+    if (const auto held = heldAt(document, shown.plan, shown.end); held != document.goals.end()) {
         made.pinned = held->second.pinned;
         if (!made.roll) made.roll = held->second.roll;
         if (held->second.turn) {  // its bone keeps its direction, and the goal its place
@@ -108,7 +101,7 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
         }
         document.goals.erase(held);
     }
-    document.goals.insert_or_assign(shown->end, made);
+    document.goals.insert_or_assign(shown.end, made);
     return Json::object();
 }
 
@@ -124,13 +117,11 @@ Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     if (document.effects.has(EffectKind::BoneDynamics))
         return Json{{"distance", (held.from - held.target).norm()}, {"position", json(held.from)}, {"settled", false}, {"warnings", texts(live.warningTexts(0))}};
 
-    const auto settled = live.settle();
-    if (!settled) return tl::unexpected(settled.error());
-    const auto now = live.positionOf(end);
-    if (!now) return tl::unexpected(now.error());
-    Json answer{{"distance", (*now - held.target).norm()}, {"position", json(*now)}, {"settled", settled->settled},
-                {"iterations", settled->iterations}, {"ms", settled->milliseconds},
-                {"warnings", texts(live.warningTexts(settled->warnings))}};
+    IMOMUSHI_TRY(const auto settled, live.settle());
+    IMOMUSHI_TRY(const auto now, live.positionOf(end));
+    Json answer{{"distance", (now - held.target).norm()}, {"position", json(now)}, {"settled", settled.settled},
+                {"iterations", settled.iterations}, {"ms", settled.milliseconds},
+                {"warnings", texts(live.warningTexts(settled.warnings))}};
     return answer;
 }
 
@@ -141,35 +132,31 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
         ++released;
         if (!held->second.pinned) return all.erase(held);
         // A pin that was dragged stays a pin, where it is now.
-        const auto position = edit.positionOf(held->first);
-        if (!position) return tl::unexpected(position.error());
+        IMOMUSHI_TRY(const auto position, edit.positionOf(held->first));
         EndpointGoal pinned;
         pinned.pinned = true;
-        pinned.target = *position;
+        pinned.target = position;
         pinned.turn = held->second.turn;
         held->second = pinned;
         return std::next(held);
     };
     if (arguments.contains("endpoint")) {
         if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) {
-            const auto wasHeld = releaseHandle(edit, *handle);
-            if (!wasHeld) return tl::unexpected(wasHeld.error());
-            if (!*wasHeld) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
+            IMOMUSHI_TRY(const auto wasHeld, releaseHandle(edit, *handle));
+            if (!wasHeld) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
             return Json{{"released", 1}};
         }
-        const auto shown = endpointOf(edit, arguments);
-        if (!shown) return tl::unexpected(shown.error());
-        const auto held = heldAt(edit.document, shown->plan, shown->end);
+        IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+        const auto held = heldAt(edit.document, shown.plan, shown.end);
         if (held == all.end()) return fail("not-held", "The endpoint \"" + text(arguments, "endpoint") + "\" is not held.");
         if (auto done = let(held); !done) return tl::unexpected(done.error());
     } else {
         for (auto held = all.begin(); held != all.end();) {
-            if (auto ok = assign(held, let(held)); !ok) return tl::unexpected(ok.error());
+            IMOMUSHI_TRY(held, let(held));
         }
         for (const auto& [handle, goal] : std::map(edit.document.handleGoals)) {
-            const auto wasHeld = releaseHandle(edit, handle);
-            if (!wasHeld) return tl::unexpected(wasHeld.error());
-            released += *wasHeld;
+            IMOMUSHI_TRY(const auto wasHeld, releaseHandle(edit, handle));
+            released += wasHeld;
         }
     }
     return Json{{"released", released}};
@@ -182,8 +169,7 @@ Result<Json> showRelease(LiveCharacter& live, const Json&, Json answer) {
 }
 
 Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
-    const auto plan = edit.shownPlan();
-    if (!plan) return tl::unexpected(plan.error());
+    IMOMUSHI_TRY(const auto plan, edit.shownPlan());
     Document& document = edit.document;
     document.pose = {};
     document.touches.clear();
@@ -196,7 +182,7 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
         held = {};
         held.pinned = true;
         if (turned) held.turn = std::array{0.0, 0.0, 0.0, 1.0};
-        held.target = (*plan)->input.skeleton.points[static_cast<std::size_t>((*plan)->pointIndex(end))];
+        held.target = plan->input.skeleton.points[static_cast<std::size_t>(plan->pointIndex(end))];
     }
     return Json::object();
 }
@@ -208,9 +194,8 @@ Result<Json> showRest(LiveCharacter& live, const Json&, Json answer) {
 }
 
 Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto element = elementOf(edit.document, text(arguments, "element"));
-    if (!element) return tl::unexpected(element.error());
-    const PartId id = (*element)->id;
+    IMOMUSHI_TRY(const auto element, elementOf(edit.document, text(arguments, "element")));
+    const PartId id = element->id;
     const Vec3 point = *vector3(arguments.at("point"));
     const Json& to = arguments.at("to");
     const auto target = to.is_null() ? std::optional(Vec3(Vec3::Zero())) : vector3(to);
@@ -220,18 +205,18 @@ Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress
     auto& touches = edit.document.touches;
     const auto known = std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.point == point; });
     if (to.is_null()) {
-        if (known == touches.end()) return fail("not-touched", "No finger is at that point of \"" + (*element)->name + "\": lift it by the point where it was put down.");
+        if (known == touches.end()) return fail("not-touched", "No finger is at that point of \"" + element->name + "\": lift it by the point where it was put down.");
         const int finger = known->finger;
         touches.erase(known);
         if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
         return Json{{"finger", finger}};
     }
     if (!edit.document.effects.has(EffectKind::Touch, id))
-        return fail("not-enabled", "Fingers need the effect \"touch\" on \"" + (*element)->name + "\": enable it, and precompute.");
+        return fail("not-enabled", "Fingers need the effect \"touch\" on \"" + element->name + "\": enable it, and precompute.");
     if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
     const auto response = edit.responses().fittingOf(id);
     if (!response || response->touch.columns() == 0)
-        return fail("not-precomputed", "\"" + (*element)->name + "\" is not precomputed for fingers: precompute it (it needs a joint face that holds it).");
+        return fail("not-precomputed", "\"" + element->name + "\" is not precomputed for fingers: precompute it (it needs a joint face that holds it).");
     Touch made{id, 0, point, *target, radius};
     if (known != touches.end()) {
         made.finger = known->finger;
@@ -242,7 +227,7 @@ Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress
         };
         while (made.finger < TouchContact::kFingers && taken(made.finger)) ++made.finger;
         if (made.finger == TouchContact::kFingers)
-            return fail("too-many-fingers", "\"" + (*element)->name + "\" has " + std::to_string(TouchContact::kFingers) + " fingers already: lift one.");
+            return fail("too-many-fingers", "\"" + element->name + "\" has " + std::to_string(TouchContact::kFingers) + " fingers already: lift one.");
         touches.push_back(made);
     }
     return Json{{"finger", made.finger}};
@@ -273,29 +258,26 @@ bool isFinite(const Character& character, const Pose& pose, std::size_t elements
 Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
     LiveCharacter& live = access.live;
     const Document& document = access.document();
-    const auto frames = numberWithin(arguments.at("frames"), "frames", 1, kMaxFrames);
-    if (!frames) return tl::unexpected(frames.error());
-    const int count = static_cast<int>(*frames);
+    IMOMUSHI_TRY(const auto frames, numberWithin(arguments.at("frames"), "frames", 1, kMaxFrames));
+    const int count = static_cast<int>(frames);
     std::vector<double> times = {1.0 / 60.0};
     if (const Json* given = find(arguments, "dt")) {
         if (given->is_array() && given->size() != static_cast<std::size_t>(count)) return fail("bad-value", "\"dt\" must have a number for each frame.");
         times.clear();
         for (const Json& dt : given->is_array() ? *given : Json::array({*given})) {
             if (!dt.is_number()) return fail("bad-type", "\"dt\" must be a number, or a list of numbers.");
-            const auto value = numberWithin(dt, "dt", 0.0, kLongestFrame);
-            if (!value) return tl::unexpected(value.error());
-            if (*value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
-            times.push_back(*value);
+            IMOMUSHI_TRY(const auto value, numberWithin(dt, "dt", 0.0, kLongestFrame));
+            if (value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
+            times.push_back(value);
         }
     }
-    const auto alive = live.built();
-    if (!alive) return tl::unexpected(alive.error());
+    IMOMUSHI_TRY(const auto alive, live.built());
     std::vector<double> total, pose, joints, product, normals;
     std::array<std::vector<double>, kEffects> effects;
     unsigned warnings = 0;
     bool finite = true, timeDropped = false;
     live.hidePositions();
-    const Character* character = *alive;
+    const Character* character = alive;
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
         const auto start = std::chrono::steady_clock::now();

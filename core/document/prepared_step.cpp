@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/document/document_change.h"
 #include "core/document/session_access.h"
 
@@ -16,10 +17,9 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     Session session(registry);
     if (arrange) arrange(session);
     SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
-    auto answer = session.execute(command, progress);
-    if (!answer) return tl::unexpected(answer.error());
+    IMOMUSHI_TRY(auto answer, session.execute(command, progress));
     if (session.steps().size() != 1) return fail("internal", "A command that is prepared makes one step of the history.");
-    made.answer = std::move(*answer);
+    made.answer = std::move(answer);
     made.after = session.document();
     made.step = session.steps().front();
     made.lines = session.script();

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/atomic_file.h"
+#include "core/base/try.h"
 #include "core/document/project_content.h"
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"
@@ -262,14 +263,13 @@ Result<void> saveProject(const std::filesystem::path& path, const Project& proje
 
 Result<Project> openProject(const std::filesystem::path& path) {
     const std::string name = "\"" + path.string() + "\"";
-    const auto opened = openToRead(path);
-    if (!opened) return tl::unexpected(opened.error());
+    IMOMUSHI_TRY(const auto opened, openToRead(path));
     const auto notAProject = [&] { return fail("not-a-project", name + " is not an Imomushi project: choose a .imomushi file."); };
     constexpr std::string_view kMagic("SQLite format 3\0", 16);
     std::array<char, 100> header{};
-    if (::pread(opened->descriptor, header.data(), header.size(), 0) != static_cast<ssize_t>(header.size()) || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) return notAProject();
+    if (::pread(opened.descriptor, header.data(), header.size(), 0) != static_cast<ssize_t>(header.size()) || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) return notAProject();
     try {
-        Database db(opened->descriptor, Database::Access::Read);
+        Database db(opened.descriptor, Database::Access::Read);
         if (db.number("PRAGMA application_id") != kProjectApplicationId) return notAProject();
         const std::int64_t version = db.number("PRAGMA user_version");
         if (version > kProjectVersion)

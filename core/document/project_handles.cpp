@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
 
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 
 #include "core/document/project_rows.h"
 #include "core/document/project_tables.h"

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/hash.h"
+#include "core/base/try.h"
 #include "core/document/project_content.h"
 #include "core/document/project_rows.h"
 
@@ -128,14 +129,13 @@ int evict(Database& versions, const VersionLimits& limits) {
 std::filesystem::path versionsFile(const std::filesystem::path& project) { return project.string() + "-versions"; }
 
 Result<int> keepVersion(const std::filesystem::path& project, const VersionLimits& limits) {
-    const auto file = openToRead(project);
-    if (!file) return tl::unexpected(file.error());
+    IMOMUSHI_TRY(const auto file, openToRead(project));
     struct stat now {};
-    if (limits.count < 1 || limits.bytes == 0 || ::fstat(file->descriptor, &now) != 0) return 0;
+    if (limits.count < 1 || limits.bytes == 0 || ::fstat(file.descriptor, &now) != 0) return 0;
     std::error_code error;
     const bool isNew = !std::filesystem::exists(versionsFile(project), error);
     try {
-        Database saved(file->descriptor, Database::Access::Read);
+        Database saved(file.descriptor, Database::Access::Read);
         require(saved.number("PRAGMA application_id") == kProjectApplicationId, "it is no project");
         require(saved.number("PRAGMA user_version") == kProjectVersion, "it is of an older or newer program");
         RowReader info(saved, "SELECT value FROM info WHERE name='digest'");

@@ -48,10 +48,9 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
     if (property == "density") return number(element.density, kSmallestDensity, kLargestDensity);
     if (property == "damping") return number(element.damping, 0.0, Element::kMaxDamping);
     if (property == "preset") {
-        const auto given = word(value, property);
-        if (!given) return tl::unexpected(given.error());
-        const MaterialPreset* preset = materialPreset(*given);
-        if (!preset) return fail("bad-value", "There is no preset \"" + *given + "\"; there are " + materialPresetNames() + ".");
+        IMOMUSHI_TRY(const auto given, word(value, property));
+        const MaterialPreset* preset = materialPreset(given);
+        if (!preset) return fail("bad-value", "There is no preset \"" + given + "\"; there are " + materialPresetNames() + ".");
         preset->apply(element);
         return {};
     }
@@ -59,13 +58,12 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
     if (property == "locked") return assign(element.locked, boolean(value, property));
     if (property == "color") return assign(element.color, colour(value));
     if (property == "joint-planes") {
-        const auto given = word(value, property);
-        if (!given) return tl::unexpected(given.error());
-        if (*given == "auto")
+        IMOMUSHI_TRY(const auto given, word(value, property));
+        if (given == "auto")
             element.jointPlanes = Element::JointPlanes::Auto;
-        else if (*given == "bisector")
+        else if (given == "bisector")
             element.jointPlanes = Element::JointPlanes::Bisector;
-        else if (*given == "element")
+        else if (given == "element")
             element.jointPlanes = Element::JointPlanes::Element;
         else
             return fail("bad-value", "\"joint-planes\" must be \"auto\", \"bisector\" or \"element\".");
@@ -91,10 +89,9 @@ Result<void> setCharacter(CharacterSettings& settings, const std::string& proper
     if (property == "basis") return assign(settings.basis, word(value, property).and_then(parseBasis));
     if (property == "format") return assign(settings.format, word(value, property).and_then(responseFormat));
     if (property == "threads") {
-        const auto given = numberWithin(value, property, 0, kMaxThreads);
-        if (!given) return tl::unexpected(given.error());
-        if (*given != std::floor(*given)) return fail("bad-value", "\"threads\" must be a whole number (0: all of this machine).");
-        settings.threads = static_cast<int>(*given);
+        IMOMUSHI_TRY(const auto given, numberWithin(value, property, 0, kMaxThreads));
+        if (given != std::floor(given)) return fail("bad-value", "\"threads\" must be a whole number (0: all of this machine).");
+        settings.threads = static_cast<int>(given);
         return {};
     }
     return noSuchProperty("The character", property, "basis, format and threads");
@@ -138,13 +135,12 @@ Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) 
     const std::string& name = text(arguments, "name");
     const auto handle = document.handle(target);
     if (handle || target.find('/') != std::string::npos) {
-        const auto face = handle ? Result<FaceRef>(*handle) : document.face(target);
-        if (!face) return tl::unexpected(face.error());
-        if (name == face->face) return Json::object();
+        IMOMUSHI_TRY(const auto face, handle ? Result<FaceRef>(*handle) : document.face(target));
+        if (name == face.face) return Json::object();
         if (auto ok = handle ? checkNewName(document, name) : checkNameText(name); !ok) return tl::unexpected(ok.error());
-        if (document.elements.at(face->element)->faceIndex(name) >= 0)
+        if (document.elements.at(face.element)->faceIndex(name) >= 0)
             return fail("name-taken", "The element has a joint face \"" + name + "\" already: choose another name.");
-        renameFace(document, *face, name);
+        renameFace(document, face, name);
         return Json::object();
     }
     const CharacterSource* ofCut = document.characterOfCut(target);

@@ -24,15 +24,12 @@ constexpr double kSmallestMeant = 2e-3, kLargestMeant = 40.0;
 constexpr double kSmallestUsual = 0.1, kLargestUsual = 10.0;
 
 Result<Json> propose(SessionAccess& access, const Json& arguments, const Progress& progress) {
-    const auto character = characterOf(access.document(), text(arguments, "character"));
-    if (!character) return tl::unexpected(character.error());
-    const auto request = proposalRequestFrom(arguments);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto character, characterOf(access.document(), text(arguments, "character")));
+    IMOMUSHI_TRY(const auto request, proposalRequestFrom(arguments));
     const auto start = std::chrono::steady_clock::now();
-    const auto proposal = access.propose(**character, *request, progress);
-    if (!proposal) return tl::unexpected(proposal.error());
-    Json answer = proposalJson(**character, *proposal);
-    answer["size"] = sizeJson(**character);
+    IMOMUSHI_TRY(const auto proposal, access.propose(*character, request, progress));
+    Json answer = proposalJson(*character, proposal);
+    answer["size"] = sizeJson(*character);
     answer["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return answer;
 }
@@ -167,7 +164,7 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
     ProposalRequest request;
     using From = ProposalRequest::From;
     const auto from = choiceFrom<From>(arguments, "from", {{"auto", From::Auto}, {"skeleton", From::Skeleton}, {"shape", From::Shape}}, From::Auto);
-    if (auto ok = assign(request.from, from); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(request.from, from);
     if (auto ok = readNumber(arguments, "least", 0.0, 1.0, request.least); !ok) return tl::unexpected(ok.error());
     if (const Json* bones = find(arguments, "bones")) {
         if (request.from == ProposalRequest::From::Shape || request.least >= 0.0) return fail("bad-value", "\"bones\" says which bones of the skeleton stay: leave out \"from\": \"shape\" and \"least\".");

@@ -13,16 +13,14 @@ Json issuesJson(const std::vector<MeshIssue>& issues) {
 }
 
 Result<Json> repair(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
-    const auto request = mendRequestFrom(arguments);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto request, mendRequestFrom(arguments));
     const std::string& target = text(arguments, "element");
     Result<MendReport> report;
     if (const CharacterSource* whole = edit.document.characterNamed(target)) {
-        report = mendCharacter(edit, whole->id, *request, progress);
+        report = mendCharacter(edit, whole->id, request, progress);
     } else {
-        const auto element = elementOf(edit.document, target);
-        if (!element) return tl::unexpected(element.error());
-        report = mendElement(edit, (*element)->id, *request, progress);
+        IMOMUSHI_TRY(const auto element, elementOf(edit.document, target));
+        report = mendElement(edit, element->id, request, progress);
     }
     if (!report) return tl::unexpected(report.error());
 

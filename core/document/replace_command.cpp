@@ -154,8 +154,7 @@ Result<void> Replacement::element(PartId id, std::shared_ptr<const ElementMesh> 
 Result<void> Replacement::loseCut(PartId character, PartId cut, const Error& why, const Progress& progress) {
     const CharacterSource& source = *document_.characters.at(character);
     lose("cut", source.cuts[static_cast<std::size_t>(source.cutIndex(cut))].name, why);
-    const auto removed = removeCut(document_, character, cut, progress);
-    if (!removed) return tl::unexpected(removed.error());
+    if (auto removed = removeCut(document_, character, cut, progress); !removed) return tl::unexpected(removed.error());
     return {};
 }
 
@@ -238,7 +237,7 @@ Result<void> Replacement::character(PartId id, std::shared_ptr<const RenderModel
             changed.handles.clear();
         });
     }
-    if (auto ok = assign(elements_, changeBody(document_, id, std::move(body), progress)); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(elements_, changeBody(document_, id, std::move(body), progress));
     exchangePart(document_.characters, id, [&](CharacterSource& source) {
         // Weights are for the vertices of the mesh that they came with.
         if (source.rig && !source.rig->weights.empty() && !model->sameVertices(*source.model)) {
@@ -272,13 +271,12 @@ Result<void> replaceElement(DocumentEdit& edit, Replacement& replacement, const 
     if (element.piece)
         return fail("part-of-character", "The element \"" + element.name + "\" is a piece of the character \"" + edit.document.characters.at(element.piece->character)->name +
                                              "\": replace the mesh of that.");
-    auto imported = edit.import(request, progress);
-    if (!imported) return tl::unexpected(imported.error());
-    if (imported->bodies.empty()) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
-    std::erase_if(imported->bodies, [all = imported->bodies.size()](const ImportedBody& body) { return all > 1 && !body.closed; });
-    if (imported->bodies.empty()) return fail("open", "\"" + request.path.string() + "\" holds no closed surface: close its holes in a modelling program.");
-    if (imported->bodies.size() > 1) return fail("several-bodies", "\"" + request.path.string() + "\" holds " + std::to_string(imported->bodies.size()) + " bodies: give a file with one of them.");
-    ImportedBody& body = imported->bodies.front();
+    IMOMUSHI_TRY(auto imported, edit.import(request, progress));
+    if (imported.bodies.empty()) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
+    std::erase_if(imported.bodies, [all = imported.bodies.size()](const ImportedBody& body) { return all > 1 && !body.closed; });
+    if (imported.bodies.empty()) return fail("open", "\"" + request.path.string() + "\" holds no closed surface: close its holes in a modelling program.");
+    if (imported.bodies.size() > 1) return fail("several-bodies", "\"" + request.path.string() + "\" holds " + std::to_string(imported.bodies.size()) + " bodies: give a file with one of them.");
+    ImportedBody& body = imported.bodies.front();
     if (!body.closed) {
         const Error error = importRefusal(body);
         return fail(error.code, error.message);
@@ -287,34 +285,29 @@ Result<void> replaceElement(DocumentEdit& edit, Replacement& replacement, const 
 }
 
 Result<void> replaceCharacter(DocumentEdit& edit, Replacement& replacement, const CharacterSource& character, const ImportRequest& request, const BodySetting& setting, const Progress& progress) {
-    auto imported = edit.importCharacter(request, progress.part(0.0, 0.3));
-    if (!imported) return tl::unexpected(imported.error());
-    if (imported->renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
-    auto body = edit.makeBody(imported->renderModel, setting, progress.part(0.3, 0.9));
-    if (!body) return tl::unexpected(body.error());
-    body->report.seconds = 0.0;  // the rest of the report is the same each time
-    std::vector<MeshIssue> issues = issuesWith(imported->issues, imported->renderModel, std::exchange(body->report.issues, {}));
-    return replacement.character(character.id, std::make_shared<const RenderModel>(std::move(imported->renderModel)), std::make_shared<const Body>(std::move(*body)), std::move(issues),
+    IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress.part(0.0, 0.3)));
+    if (imported.renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
+    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, setting, progress.part(0.3, 0.9)));
+    body.report.seconds = 0.0;  // the rest of the report is the same each time
+    std::vector<MeshIssue> issues = issuesWith(imported.issues, imported.renderModel, std::exchange(body.report.issues, {}));
+    return replacement.character(character.id, std::make_shared<const RenderModel>(std::move(imported.renderModel)), std::make_shared<const Body>(std::move(body)), std::move(issues),
                                  progress.part(0.9, 1.0));
 }
 
 Result<Json> replaceMesh(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     const Json *characterName = find(arguments, "character"), *elementName = find(arguments, "element");
     if ((characterName != nullptr) == (elementName != nullptr)) return fail("missing-key", "\"replace-mesh\" needs either \"character\" or \"element\".");
-    const auto request = importRequestFrom(edit.document, arguments);
-    if (!request) return tl::unexpected(request.error());
+    IMOMUSHI_TRY(const auto request, importRequestFrom(edit.document, arguments));
     if (elementName && arguments.contains("body")) return fail("unknown-key", "\"body\" goes with \"character\" only.");
     BodySetting setting;
-    if (auto ok = assign(setting.how, choiceFrom<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto)); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(setting.how, choiceFrom<BodyKind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}}, BodyKind::Auto));
     Replacement replacement(edit.document);
     if (characterName) {
-        const auto character = characterOf(edit.document, characterName->get_ref<const std::string&>());
-        if (!character) return tl::unexpected(character.error());
-        if (auto ok = replaceCharacter(edit, replacement, **character, *request, setting, progress); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(const auto character, characterOf(edit.document, characterName->get_ref<const std::string&>()));
+        if (auto ok = replaceCharacter(edit, replacement, *character, request, setting, progress); !ok) return tl::unexpected(ok.error());
     } else {
-        const auto element = elementOf(edit.document, elementName->get_ref<const std::string&>());
-        if (!element) return tl::unexpected(element.error());
-        if (auto ok = replaceElement(edit, replacement, **element, *request, progress); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(const auto element, elementOf(edit.document, elementName->get_ref<const std::string&>()));
+        if (auto ok = replaceElement(edit, replacement, *element, request, progress); !ok) return tl::unexpected(ok.error());
     }
     return replacement.answer();
 }

@@ -70,9 +70,8 @@ Result<std::string> scalingPart(const CharacterInput& character, const Progress&
     const auto add = [&](std::vector<std::vector<std::string>>& rows, const std::string& name, CharacterInput input) -> Result<void> {
         int vertices = 0;
         for (const auto& e : input.elements) vertices += static_cast<int>(e.mesh->body.vertices.rows());
-        const auto ms = predictFrame(input, progress);
-        if (!ms) return tl::unexpected(ms.error());
-        rows.push_back({name, std::to_string(vertices), formatted("%.4f", *ms), formatted("%.3g", 1e6 * *ms / std::max(1, vertices))});
+        IMOMUSHI_TRY(const auto ms, predictFrame(input, progress));
+        rows.push_back({name, std::to_string(vertices), formatted("%.4f", ms), formatted("%.3g", 1e6 * ms / std::max(1, vertices))});
         return {};
     };
     const std::vector<std::string> titles = {"", "vertices", "ms per frame", "ns per vertex"};
@@ -142,13 +141,11 @@ Result<std::string> skinPart(const CharacterInput& character, const Progress& pr
         weights = rampWeights(body, character.skeleton, 0.0);
     }
     if (!weights) return out + "No skin: " + weights.error().message + "\n\n";
-    auto own = Character::build(character);
-    if (!own) return tl::unexpected(own.error());
+    IMOMUSHI_TRY(auto own, Character::build(character));
     std::vector<std::pair<std::string, Skin>> skins;
     for (const auto& [name, kind] : {std::pair{"linear blend skinning", SkinKind::LinearBlend}, {"dual quaternions", SkinKind::DualQuaternion}, {"spline skin", SkinKind::Spline}}) {
-        auto skin = Skin::build(body, character.skeleton, *weights, kind);
-        if (!skin) return tl::unexpected(skin.error());
-        skins.emplace_back(name, std::move(*skin));
+        IMOMUSHI_TRY(auto skin, Skin::build(body, character.skeleton, *weights, kind));
+        skins.emplace_back(name, std::move(skin));
     }
     auto poses = standardPoses(character.skeleton);
     poses.resize(3);
@@ -160,7 +157,7 @@ Result<std::string> skinPart(const CharacterInput& character, const Progress& pr
     std::vector<std::function<void()>> loops;
     std::size_t turn = 0;
     for (auto& [name, skin] : skins) loops.emplace_back([&skin = skin, &poses, &turn] { skin.update(poses[turn++ % 3].pose); });
-    loops.emplace_back([&] { own->update(poses[turn++ % 3].pose); });
+    loops.emplace_back([&] { own.update(poses[turn++ % 3].pose); });
     const auto ms = mediansInTurn(100, 1.0, loops, progress);
     if (progress.cancelled()) return fail(kCancelled, "The report was cancelled.");
     std::vector<std::vector<std::string>> rows = {titles};
@@ -179,12 +176,12 @@ Result<std::string> skinPart(const CharacterInput& character, const Progress& pr
                   [&](std::int32_t v) -> Vec3 { return Eigen::Map<const Eigen::Vector3f>(skin.positions() + 3 * static_cast<std::ptrdiff_t>(v)).cast<double>(); });
     }
     double bytes = 0.0;
-    for (std::size_t e = 0; e < character.elements.size(); ++e) bytes += static_cast<double>(own->memory(static_cast<int>(e)).response + own->memory(static_cast<int>(e)).surface);
+    for (std::size_t e = 0; e < character.elements.size(); ++e) bytes += static_cast<double>(own.memory(static_cast<int>(e)).response + own.memory(static_cast<int>(e)).surface);
     rows.push_back({"this character, as it is set", formatted("%.4f", ms.back()), formatted("%.3f", 1e-6 * bytes)});
-    qualities(rows.back(), [&](const Pose& p) { own->update(p); },
+    qualities(rows.back(), [&](const Pose& p) { own.update(p); },
               [&](std::int32_t v) -> Vec3 {
                   const auto e = static_cast<int>(std::upper_bound(body.first.begin(), body.first.end(), v) - body.first.begin()) - 1;
-                  return Eigen::Map<const Eigen::Vector3f>(own->surface(e).positions + 3 * static_cast<std::ptrdiff_t>(v - body.first[static_cast<std::size_t>(e)])).cast<double>();
+                  return Eigen::Map<const Eigen::Vector3f>(own.surface(e).positions + 3 * static_cast<std::ptrdiff_t>(v - body.first[static_cast<std::size_t>(e)])).cast<double>();
               });
     return out + table(rows) + (automatic ? "Weights by bone heat.\n\n" : "Weights by ramps at the joints: no bone heat on this body.\n\n") +
            "Skins give positions alone; the character's time includes normals.\n\n";
@@ -194,10 +191,9 @@ Result<std::string> previousPart(const Session& session, const Progress& progres
     const bool empty = session.document().elements.empty();
     Session other(session.registry());
     // In an empty document "paper" takes the paper's caterpillar; the document's own comparison is a command of its own.
-    auto answer = other.execute({{"do", "paper"}, {"seconds", 0}}, progress);
-    if (!answer) return tl::unexpected(answer.error());
+    IMOMUSHI_TRY(auto answer, other.execute({{"do", "paper"}, {"seconds", 0}}, progress));
     std::vector<std::vector<std::string>> rows = {{"the paper's caterpillar", "proposed", "previous", "ratio"}};
-    const Json &a = (*answer)["rows"][0], &b = (*answer)["rows"][1], &ratios = (*answer)["ratios"];
+    const Json &a = answer["rows"][0], &b = answer["rows"][1], &ratios = answer["ratios"];
     const auto row = [&](const char* name, const char* key, const char* format, double unit) {
         rows.push_back({name, formatted(format, unit * a[key].get<double>()), formatted(format, unit * b[key].get<double>()), formatted("%.3g", ratios[key].get<double>())});
     };
@@ -205,7 +201,7 @@ Result<std::string> previousPart(const Session& session, const Progress& progres
     row("product (ms)", "product_ms", "%.4f", 1.0);
     row("frame (ms)", "frame_ms", "%.4f", 1.0);
     std::string out = "## Against the previous model\n\nFive elements, 1978 vertices, float, one thread, measured in turn. The error of the proposed model in its poses: relative " +
-                      formatted("%.3g", (*answer)["error"]["relative"].get<double>()) + ", largest " + formatted("%.3g", (*answer)["error"]["max_percent"].get<double>()) +
+                      formatted("%.3g", answer["error"]["relative"].get<double>()) + ", largest " + formatted("%.3g", answer["error"]["max_percent"].get<double>()) +
                       " % of the diagonal (poses that twist are beyond the basis \"paper\").\n\n" + table(rows);
     if (!empty) out += "The same for this character: the command \"paper\".\n\n";
     return out;
@@ -264,45 +260,37 @@ Result<std::string> finiteElementPart(const Session& session, const std::filesys
 
 Result<Json> report(SessionAccess& access, const Json& arguments, const Progress& progress) {
     Session& session = access.session;
-    const auto path = outputPath(arguments, "path", {".md"});
-    if (!path) return tl::unexpected(path.error());
-    auto input = studyInput(session);
-    if (!input) return tl::unexpected(input.error());
-    if (auto ok = readNumber(arguments, "seconds", 0.1, 1e6, input->seconds); !ok) return tl::unexpected(ok.error());
-    const auto study = runStudy(*input, {}, progress.part(0.0, 0.7));
-    if (!study) return tl::unexpected(study.error());
-    auto alive = session.builtCharacter();
-    if (!alive) return tl::unexpected(alive.error());
-    CharacterInput plain = input->reference.character;
+    IMOMUSHI_TRY(const auto path, outputPath(arguments, "path", {".md"}));
+    IMOMUSHI_TRY(auto input, studyInput(session));
+    if (auto ok = readNumber(arguments, "seconds", 0.1, 1e6, input.seconds); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(const auto study, runStudy(input, {}, progress.part(0.0, 0.7)));
+    if (auto alive = session.builtCharacter(); !alive) return tl::unexpected(alive.error());
+    CharacterInput plain = input.reference.character;
     for (std::size_t e = 0; e < plain.elements.size(); ++e) plain.elements[e].response = session.plan().input.elements[e].response;
     int vertices = 0, missing = 0;
     for (const auto& e : plain.elements) {
         vertices += static_cast<int>(e.mesh->body.vertices.rows());
         missing += !e.faces.empty() && !e.response;
     }
-    std::string out = "# Accuracy and cost\n\n" + study->machine + ". " + std::to_string(plain.elements.size()) + " elements, " + std::to_string(vertices) + " vertices, " +
+    std::string out = "# Accuracy and cost\n\n" + study.machine + ". " + std::to_string(plain.elements.size()) + " elements, " + std::to_string(vertices) + " vertices, " +
                       std::to_string(plain.skeleton.bones.size()) + " bones. The table of settings is that of this machine's study, which is kept and goes on from run to run; all other figures are of this run.\n\n";
-    out += accuracyPart(*study);
-    const auto scaling = scalingPart(plain, progress.part(0.7, 0.8));
-    if (!scaling) return tl::unexpected(scaling.error());
-    out += *scaling;
+    out += accuracyPart(study);
+    IMOMUSHI_TRY(const auto scaling, scalingPart(plain, progress.part(0.7, 0.8)));
+    out += scaling;
     if (missing == 0) {
-        const auto skins = skinPart(plain, progress.part(0.8, 0.9));
-        if (!skins) return tl::unexpected(skins.error());
-        out += *skins;
+        IMOMUSHI_TRY(const auto skins, skinPart(plain, progress.part(0.8, 0.9)));
+        out += skins;
     } else {
         out += "## Against skins\n\nNot compared: some elements are not precomputed. Run \"precompute\" first.\n\n";
     }
-    const auto previous = previousPart(session, progress.part(0.9, 0.95));
-    if (!previous) return tl::unexpected(previous.error());
-    out += *previous;
+    IMOMUSHI_TRY(const auto previous, previousPart(session, progress.part(0.9, 0.95)));
+    out += previous;
     if (const Json* references = find(arguments, "references")) {
-        const auto elements = finiteElementPart(session, references->get<std::string>(), progress.part(0.95, 1.0));
-        if (!elements) return tl::unexpected(elements.error());
-        out += *elements;
+        IMOMUSHI_TRY(const auto elements, finiteElementPart(session, references->get<std::string>(), progress.part(0.95, 1.0)));
+        out += elements;
     }
-    if (auto written = writeFileAtomically(*path, out); !written) return tl::unexpected(written.error());
-    return Json{{"bytes", out.size()}, {"complete", study->complete}};
+    if (auto written = writeFileAtomically(path, out); !written) return tl::unexpected(written.error());
+    return Json{{"bytes", out.size()}, {"complete", study.complete}};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "core/base/abandoned_files.h"
 #include "core/base/atomic_file.h"
+#include "core/base/try.h"
 #include "core/document/packed_response.h"
 
 namespace imomushi {
@@ -28,9 +29,8 @@ std::optional<ContentKey> keyNamed(const std::filesystem::path& file) {
 
 /// What a file holds. Errors: those of packResponse().
 Result<std::string> contentOf(const ContentKey& key, const ElementResponse& response) {
-    const auto packed = packResponse(response);
-    if (!packed) return tl::unexpected(packed.error());
-    return key.hex().append(reinterpret_cast<const char*>(packed->data()), packed->size());
+    IMOMUSHI_TRY(const auto packed, packResponse(response));
+    return key.hex().append(reinterpret_cast<const char*>(packed.data()), packed.size());
 }
 
 /// The content of a file. Nullopt: the system does not read it now.

@@ -19,40 +19,36 @@ constexpr double kMostFrames = 100'000.0;  // of a take: half an hour at 60 per 
 
 Result<Json> importSkeleton(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
-    const auto character = characterOf(document, text(arguments, "character"));
-    if (!character) return tl::unexpected(character.error());
-    auto request = importRequestFrom(document, arguments);
-    if (!request) return tl::unexpected(request.error());
-    request->bonesSuffice = true;
-    auto imported = edit.importCharacter(*request, progress);
-    if (!imported) return tl::unexpected(imported.error());
-    if (!imported->rig || imported->rig->bones.empty()) return fail("no-skeleton", "\"" + request->path.string() + "\" holds no bones: choose a file with a skeleton.");
+    IMOMUSHI_TRY(const auto character, characterOf(document, text(arguments, "character")));
+    IMOMUSHI_TRY(auto request, importRequestFrom(document, arguments));
+    request.bonesSuffice = true;
+    IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress));
+    if (!imported.rig || imported.rig->bones.empty()) return fail("no-skeleton", "\"" + request.path.string() + "\" holds no bones: choose a file with a skeleton.");
     // Weights are for the vertices of its own mesh.
-    if (!imported->renderModel.sameVertices(*(*character)->model)) imported->rig->weights = {};
-    const auto rig = std::make_shared<const Rig>(std::move(*imported->rig));
-    exchangePart(document.characters, (*character)->id, [&](CharacterSource& c) { c.rig = rig; });
+    if (!imported.renderModel.sameVertices(*character->model)) imported.rig->weights = {};
+    const auto rig = std::make_shared<const Rig>(std::move(*imported.rig));
+    exchangePart(document.characters, character->id, [&](CharacterSource& c) { c.rig = rig; });
     Json answer = rigJson(rig.get());
     answer["weights"] = !rig->weights.empty();
-    answer["metres_per_unit"] = imported->metresPerUnit;
-    answer["turned_z_up"] = imported->zUpConverted;
+    answer["metres_per_unit"] = imported.metresPerUnit;
+    answer["turned_z_up"] = imported.zUpConverted;
     answer["issues"] = Json::array();
-    for (const MeshIssue& issue : imported->issues) answer["issues"].push_back(issueJson(issue));
+    for (const MeshIssue& issue : imported.issues) answer["issues"].push_back(issueJson(issue));
     return answer;
 }
 
 Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progress& progress) {
     const Document& document = access.document();
     if (access.live.recording()) return fail("already-recording", "The take \"" + access.live.recording()->take.name + "\" is being recorded: stop that first.");
-    const auto character = characterOf(document, text(arguments, "character"));
-    if (!character) return tl::unexpected(character.error());
-    const std::shared_ptr<const Rig> rig = (*character)->rig;
-    if (!rig || rig->clips.empty()) return fail("no-clip", "\"" + (*character)->name + "\" has no clips: import a file with animations.");
+    IMOMUSHI_TRY(const auto character, characterOf(document, text(arguments, "character")));
+    const std::shared_ptr<const Rig> rig = character->rig;
+    if (!rig || rig->clips.empty()) return fail("no-clip", "\"" + character->name + "\" has no clips: import a file with animations.");
     const std::string& clipName = text(arguments, "clip");
     const int index = rig->clipIndex(clipName);
     if (index < 0) {
         std::string known;
         for (const RigClip& clip : rig->clips) known += (known.empty() ? "\"" : ", \"") + clip.name + "\"";
-        return fail("no-clip", "\"" + (*character)->name + "\" has no clip \"" + clipName + "\"; it has " + known + ".");
+        return fail("no-clip", "\"" + character->name + "\" has no clip \"" + clipName + "\"; it has " + known + ".");
     }
     const RigClip& clip = rig->clips[static_cast<std::size_t>(index)];
     const Json* given = find(arguments, "take");
@@ -68,32 +64,30 @@ Result<Json> takeClip(SessionAccess& access, const Json& arguments, const Progre
     // The last key counts, wherever it is between frames.
     if (clip.seconds - times.back() > 1e-3 / fps) times.push_back(clip.seconds);
 
-    auto alive = access.live.built();
-    if (!alive) return tl::unexpected(alive.error());
-    const RigFollower follower(document, access.live.plan(), **character);
+    if (auto alive = access.live.built(); !alive) return tl::unexpected(alive.error());
+    const RigFollower follower(document, access.live.plan(), *character);
     const auto following = std::count_if(follower.follows().begin(), follower.follows().end(), [](int bone) { return bone >= 0; });
     // By their names, as the clip may have come with another file.
     std::vector<std::pair<MorphRef, const MorphTrack*>> weighed;
     for (const MorphTrack& track : clip.morphs)
-        if (const int target = (*character)->model->morphIndex(track.target); target >= 0) weighed.push_back({{(*character)->id, target}, &track});
-    if (following == 0 && weighed.empty()) return fail("no-bone", "\"" + (*character)->name + "\" has no bones that a clip could move: add bones to it, or make it soft.");
+        if (const int target = character->model->morphIndex(track.target); target >= 0) weighed.push_back({{character->id, target}, &track});
+    if (following == 0 && weighed.empty()) return fail("no-bone", "\"" + character->name + "\" has no bones that a clip could move: add bones to it, or make it soft.");
     const auto frameAt = [&](double time) {
         LiveCharacter::PlayedFrame frame{follower.pose(clip, time), {}};
         for (const auto& [ref, track] : weighed) frame.morphs.emplace_back(ref, weightAt(*track, time));
         return frame;
     };
-    auto taken = access.live.playThrough(name, times, frameAt, progress);
-    if (!taken) return tl::unexpected(taken.error());
+    IMOMUSHI_TRY(auto taken, access.live.playThrough(name, times, frameAt, progress));
     // The answer is made first: nothing may fail once the step is done.
-    Json answer{{"take", taken->name},
-                {"frames", taken->times.size()},
-                {"seconds", taken->duration()},
-                {"bytes", taken->bytes()},
+    Json answer{{"take", taken.name},
+                {"frames", taken.times.size()},
+                {"seconds", taken.duration()},
+                {"bytes", taken.bytes()},
                 {"bones", following},
                 {"morphs", weighed.size()},
                 {"exact_joints", follower.exactPoints()},
                 {"carried_joints", follower.carriedPoints()}};
-    access.addTake(std::move(*taken), arguments);
+    access.addTake(std::move(taken), arguments);
     return answer;
 }
 

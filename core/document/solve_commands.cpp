@@ -23,9 +23,8 @@ Result<std::vector<PartId>> chosen(const Document& document, const Json& argumen
     if (const Json* names = find(arguments, "elements")) {
         for (const Json& name : *names) {
             if (!name.is_string()) return fail("bad-type", "\"elements\" must hold names of elements.");
-            const auto element = elementOf(document, name.get_ref<const std::string&>());
-            if (!element) return tl::unexpected(element.error());
-            if (std::find(ids.begin(), ids.end(), (*element)->id) == ids.end()) ids.push_back((*element)->id);
+            IMOMUSHI_TRY(const auto element, elementOf(document, name.get_ref<const std::string&>()));
+            if (std::find(ids.begin(), ids.end(), element->id) == ids.end()) ids.push_back(element->id);
         }
     } else {
         for (const auto& [id, element] : document.elements) ids.push_back(id);
@@ -35,13 +34,12 @@ Result<std::vector<PartId>> chosen(const Document& document, const Json& argumen
 
 Result<Json> estimate(SessionAccess& access, const Json& arguments, const Progress&) {
     const Session& session = access.session;
-    const auto ids = chosen(session.document(), arguments);
-    if (!ids) return tl::unexpected(ids.error());
+    IMOMUSHI_TRY(const auto ids, chosen(session.document(), arguments));
     Json list = Json::array();
     double seconds = 0.0, milliseconds = 0.0;
     std::size_t bytes = 0;
     std::set<PartId> needed;  // by others, itself not asked for
-    for (const PartId id : *ids) {
+    for (const PartId id : ids) {
         const Element& element = *session.document().elements.at(id);
         const SharedResponse* shared = session.sharedResponse(id);
         const ResponseEstimate estimated = session.responseEstimate(id);
@@ -55,7 +53,7 @@ Result<Json> estimate(SessionAccess& access, const Json& arguments, const Progre
             line["shared"] = session.document().elements.at(shared->from)->name;
             if (shared->how->mirrored) line["mirrored"] = true;
             const bool known = session.responseState(shared->from) == ResponseState::Fresh;
-            if (!known && std::find(ids->begin(), ids->end(), shared->from) == ids->end()) needed.insert(shared->from);
+            if (!known && std::find(ids.begin(), ids.end(), shared->from) == ids.end()) needed.insert(shared->from);
         }
         list.push_back(std::move(line));
         seconds += estimated.seconds;
@@ -73,19 +71,18 @@ Result<Json> estimate(SessionAccess& access, const Json& arguments, const Progre
 Result<Json> precompute(SessionAccess& access, const Json& arguments, const Progress& progress) {
     const Document& document = access.document();
     DocumentResponses& responses = access.responses;
-    const auto ids = chosen(document, arguments);
-    if (!ids) return tl::unexpected(ids.error());
+    IMOMUSHI_TRY(const auto ids, chosen(document, arguments));
     constexpr double kTogether = 0.9;
-    const std::set<PartId> together = responses.computeTogether(*ids, progress.part(0.0, kTogether));
+    const std::set<PartId> together = responses.computeTogether(ids, progress.part(0.0, kTogether));
     if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
     Json list = Json::array();
     double done = kTogether;
-    for (const PartId id : *ids) {
+    for (const PartId id : ids) {
         const Element& element = *document.elements.at(id);
         Json line;
         line["name"] = element.name;
         line["vertices"] = element.mesh->body.vertices.rows();
-        const double next = done + (1.0 - kTogether) / static_cast<double>(ids->size());
+        const double next = done + (1.0 - kTogether) / static_cast<double>(ids.size());
         if (element.faces.empty()) {
             if (arguments.contains("elements"))
                 return fail("no-face", "The element \"" + element.name + "\" has no joint face: add one, or leave it rigid.");
@@ -94,9 +91,8 @@ Result<Json> precompute(SessionAccess& access, const Json& arguments, const Prog
         } else {
             const bool solved = together.contains(id), cached = !solved && responses.freshOf(id) != nullptr;
             const auto start = std::chrono::steady_clock::now();
-            const auto fresh = responses.compute(id, progress.part(done, next));
-            if (!fresh) return tl::unexpected(fresh.error());
-            const auto& response = *fresh;
+            IMOMUSHI_TRY(const auto fresh, responses.compute(id, progress.part(done, next)));
+            const auto& response = fresh;
             const double seconds = cached ? 0.0 : solved ? response->quality.seconds : std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             line["columns"] = response->columns();
             line["seconds"] = seconds;
@@ -150,9 +146,8 @@ Result<FaceRequest> parameters(const Json& value) {
         double* to = item.key() == "a" ? &p.a : item.key() == "b" ? &p.b : item.key() == "theta1" ? &p.theta1 : item.key() == "theta2" ? &p.theta2
                      : item.key() == "dz" ? &p.dz : nullptr;
         if (!to) return fail("unknown-key", "A face has no parameter \"" + item.key() + "\"; it has a, b, theta1, theta2, dz, or vertices alone.");
-        const auto number = numberWithin(item.value(), item.key(), -kLargestParameter, kLargestParameter);
-        if (!number) return tl::unexpected(number.error());
-        *to = *number;
+        IMOMUSHI_TRY(const auto number, numberWithin(item.value(), item.key(), -kLargestParameter, kLargestParameter));
+        *to = number;
     }
     FaceRequest request;
     request.given = true;
@@ -207,9 +202,8 @@ Eigen::VectorXd project(const TriangleMesh& body, const JointFace& face, const F
 
 Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress& progress) {
     const Document& document = access.document();
-    const auto found = elementOf(document, text(arguments, "element"));
-    if (!found) return tl::unexpected(found.error());
-    const Element& element = **found;
+    IMOMUSHI_TRY(const auto found, elementOf(document, text(arguments, "element")));
+    const Element& element = *found;
     const TriangleMesh& body = element.mesh->body;
     const std::string model = arguments.contains("model") ? text(arguments, "model") : "reduced";
     if (model != "reduced" && model != "full" && model != "previous")
@@ -225,7 +219,7 @@ Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress
         }
         if (!item.value().is_object()) return fail("bad-type", "A face needs an object: {a, b, theta1, theta2, dz} or {vertices}.");
         const JointFace& face = element.faces[static_cast<std::size_t>(index)];
-        if (auto ok = assign(requests[static_cast<std::size_t>(index)], item.value().contains("vertices") ? displacements(face, item.value()) : parameters(item.value())); !ok) return tl::unexpected(ok.error());
+        IMOMUSHI_TRY(requests[static_cast<std::size_t>(index)], item.value().contains("vertices") ? displacements(face, item.value()) : parameters(item.value()));
     }
 
     Json answer;
@@ -234,10 +228,9 @@ Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress
     // A response of full basis is the full solution, for any displacement of the faces.
     if (model == "reduced" || document.settings.basis == BasisKind::Full) {
         const bool known = access.responses.freshOf(element.id) != nullptr;
-        const auto fresh = access.responses.compute(element.id, progress);
-        if (!fresh) return tl::unexpected(fresh.error());
+        IMOMUSHI_TRY(const auto fresh, access.responses.compute(element.id, progress));
         if (!known) access.changedResponses();
-        const auto& response = *fresh;
+        const auto& response = fresh;
         Eigen::VectorXd v = Eigen::VectorXd::Zero(response->columns());
         double lost = 0.0, worst = 0.0;
         for (std::size_t f = 0; f < element.faces.size(); ++f) {
@@ -266,9 +259,8 @@ Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress
     } else {
         std::vector<Points> displacement;
         for (std::size_t f = 0; f < element.faces.size(); ++f) displacement.push_back(faceDisplacement(body, element.faces[f], requests[f]));
-        auto solved = solveFull(access.responses.inputOf(element.id), displacement, progress);
-        if (!solved) return tl::unexpected(solved.error());
-        positions = body.vertices + *solved;
+        IMOMUSHI_TRY(auto solved, solveFull(access.responses.inputOf(element.id), displacement, progress));
+        positions = body.vertices + solved;
     }
     if (!allFinite(positions)) return fail("not-finite", "The deformation is not finite: use smaller displacements.");
     answer["vertices"] = positions.rows();

@@ -52,24 +52,21 @@ Result<Json> record(SessionAccess& access, const Json& arguments, const Progress
 
 Result<Json> play(SessionAccess& access, const Json& arguments, const Progress& progress) {
     const auto& recording = access.live.recording();
-    const auto take = takeOf(access.document(), text(arguments, "take"));
-    if (!take) return tl::unexpected(take.error());
+    IMOMUSHI_TRY(const auto take, takeOf(access.document(), text(arguments, "take")));
     if (recording) return fail("already-recording", "The take \"" + recording->take.name + "\" is being recorded: stop that first.");
-    const Take& t = **take;
+    const Take& t = *take;
     std::vector<double> times = t.times, milliseconds;
     if (const Json* time = find(arguments, "time")) {
-        const auto given = numberWithin(*time, "time", 0.0, t.duration() + kTimeRoom);
-        if (!given) return tl::unexpected(given.error());
-        times = {*given};
+        IMOMUSHI_TRY(const auto given, numberWithin(*time, "time", 0.0, t.duration() + kTimeRoom));
+        times = {given};
     }
     bool exact = true;
     for (const double time : times) {
         if (progress.cancelled()) return fail(kCancelled, "Playing was cancelled.");
         const auto start = std::chrono::steady_clock::now();
-        const auto shown = access.live.showTake(t, time);
-        if (!shown) return tl::unexpected(shown.error());
+        IMOMUSHI_TRY(const auto shown, access.live.showTake(t, time));
         milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-        exact = exact && *shown;
+        exact = exact && shown;
     }
     access.changedPose();
     Json answer{{"time", times.back()}, {"frames", t.times.size()}, {"seconds", t.duration()}, {"exact", exact}};
@@ -81,22 +78,20 @@ Result<Json> play(SessionAccess& access, const Json& arguments, const Progress& 
 }
 
 Result<Json> renameTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto take = takeOf(edit.document, text(arguments, "take"));
-    if (!take) return tl::unexpected(take.error());
+    IMOMUSHI_TRY(const auto take, takeOf(edit.document, text(arguments, "take")));
     const std::string& name = text(arguments, "name");
-    if (name == (*take)->name) return Json::object();
+    if (name == take->name) return Json::object();
     if (auto ok = checkTakeName(edit.document, name); !ok) return tl::unexpected(ok.error());
-    exchangePart(edit.document.takes, (*take)->id, [&](Take& t) { t.name = name; });
+    exchangePart(edit.document.takes, take->id, [&](Take& t) { t.name = name; });
     return Json::object();
 }
 
 Result<Json> duplicateTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto take = takeOf(edit.document, text(arguments, "take"));
-    if (!take) return tl::unexpected(take.error());
+    IMOMUSHI_TRY(const auto take, takeOf(edit.document, text(arguments, "take")));
     const std::string& name = text(arguments, "name");
     if (auto ok = checkTakeName(edit.document, name); !ok) return tl::unexpected(ok.error());
     Document& document = edit.document;
-    Take copy = **take;
+    Take copy = *take;
     copy.id = document.nextId++;
     copy.name = name;
     const Json answer = takeJson(copy);
@@ -105,29 +100,26 @@ Result<Json> duplicateTake(DocumentEdit& edit, const Json& arguments, const Prog
 }
 
 Result<Json> trimTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto take = takeOf(edit.document, text(arguments, "take"));
-    if (!take) return tl::unexpected(take.error());
-    const std::vector<double>& times = (*take)->times;
-    double from = 0.0, to = (*take)->duration();
+    IMOMUSHI_TRY(const auto take, takeOf(edit.document, text(arguments, "take")));
+    const std::vector<double>& times = take->times;
+    double from = 0.0, to = take->duration();
     for (const auto& [key, value] : {std::pair("from", &from), std::pair("to", &to)})
         if (const Json* time = find(arguments, key)) {
-            const auto given = numberWithin(*time, key, 0.0, kLatest);
-            if (!given) return tl::unexpected(given.error());
+            IMOMUSHI_TRY(const auto given, numberWithin(*time, key, 0.0, kLatest));
             // Times after the end are the end: nothing is left out there.
-            *value = std::min(*given, (*take)->duration());
+            *value = std::min(given, take->duration());
         }
     const auto first = std::lower_bound(times.begin(), times.end(), from - kTimeRoom), last = std::upper_bound(times.begin(), times.end(), to + kTimeRoom);
     if (first >= last) return fail("bad-value", "No frame of the take lies between \"from\" and \"to\": choose times farther apart.");
-    auto kept = std::make_shared<const Take>(takePart(**take, static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(last - first)));
+    auto kept = std::make_shared<const Take>(takePart(*take, static_cast<std::size_t>(first - times.begin()), static_cast<std::size_t>(last - first)));
     const Json answer = takeJson(*kept);
     edit.document.takes.at(kept->id) = std::move(kept);
     return answer;
 }
 
 Result<Json> removeTake(DocumentEdit& edit, const Json& arguments, const Progress&) {
-    const auto take = takeOf(edit.document, text(arguments, "take"));
-    if (!take) return tl::unexpected(take.error());
-    edit.document.takes.erase((*take)->id);
+    IMOMUSHI_TRY(const auto take, takeOf(edit.document, text(arguments, "take")));
+    edit.document.takes.erase(take->id);
     return Json::object();
 }
 

@@ -2,10 +2,10 @@
 #include "core/document/take_copies.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <map>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/document/character_input.h"
 #include "core/document/embed_model.h"
 
@@ -28,11 +28,8 @@ public:
     Result<std::vector<std::string>> run() {
         std::vector<std::string> names;
         if (document_.takes.empty()) return names;
-        auto before = planCharacter(from_), after = planCharacter(document_);
-        if (!before) return tl::unexpected(before.error());
-        if (!after) return tl::unexpected(after.error());
-        before_ = std::move(*before);
-        after_ = std::move(*after);
+        IMOMUSHI_TRY(before_, planCharacter(from_));
+        IMOMUSHI_TRY(after_, planCharacter(document_));
         if (!standsFree()) return names;
         for (auto& [id, take] : document_.takes) {
             Take made = *take;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/base/atomic_file.h"
+#include "core/base/try.h"
 #include "core/export/obj_model.h"
 #include "core/mesh/write_mesh.h"
 
@@ -177,9 +178,7 @@ public:
         if (error) return fail("not-writable", "The folder " + path.parent_path().string() + " cannot be made: " + error.message() + ".");
         std::filesystem::path materials;
         if (model_ && path.extension() == ".obj") {
-            auto made = writeMaterials(path);
-            if (!made) return tl::unexpected(made.error());
-            materials = std::move(*made);
+            IMOMUSHI_TRY(materials, writeMaterials(path));
         }
         for (std::size_t k = 0; k < clip.times.size(); ++k) {
             if (progress.cancelled()) return cancelled();
@@ -249,9 +248,8 @@ public:
     Result<void> writeRest(std::filesystem::path path) {
         path.replace_extension(".obj");
         if (model_) {
-            const auto materials = writeMaterials(path);
-            if (!materials) return tl::unexpected(materials.error());
-            if (auto written = writeObjModel(path, *model_, object_.rest.vertices, nullptr, *materials); !written) return written;
+            IMOMUSHI_TRY(const auto materials, writeMaterials(path));
+            if (auto written = writeObjModel(path, *model_, object_.rest.vertices, nullptr, materials); !written) return written;
         } else if (auto written = writeMesh(path, object_.rest.vertices, object_.rest.triangles); !written) {
             return written;
         }
@@ -276,9 +274,7 @@ private:
 
     /// The materials of the model beside `path`. Empty: it has none.
     Result<std::filesystem::path> writeMaterials(const std::filesystem::path& path) {
-        auto files = writeObjMaterials(path, *model_);
-        if (!files) return tl::unexpected(files.error());
-        beside_ = std::move(*files);
+        IMOMUSHI_TRY(beside_, writeObjMaterials(path, *model_));
         return beside_.empty() ? std::filesystem::path() : beside_.front();
     }
 

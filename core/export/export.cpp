@@ -2,6 +2,7 @@
 #include "core/export/export.h"
 
 #include "core/base/atomic_file.h"
+#include "core/base/try.h"
 #include "core/export/cache_writer.h"
 #include "core/export/fbx.h"
 #include "core/export/gltf_check.h"
@@ -34,37 +35,33 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     if (scene.character.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
     ExportReport report;
     progress.report("prepare", 0.0);
-    auto motion = Motion::build(scene, options.fps, progress);
-    if (!motion) return tl::unexpected(motion.error());
+    IMOMUSHI_TRY(auto motion, Motion::build(scene, options.fps, progress));
     for (std::size_t c = 0; c < scene.clips.size(); ++c)
-        report.clips.push_back({scene.clips[c].name, motion->clips[c].times.size(), motion->clips[c].times.back()});
+        report.clips.push_back({scene.clips[c].name, motion.clips[c].times.size(), motion.clips[c].times.back()});
     if (options.layout == ExportLayout::Cache) {
-        if (auto written = writeCache(*motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
+        if (auto written = writeCache(motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
         return report;
     }
     if (!fbx && path.extension() != ".glb")
         return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb or .fbx.");
 
-    GltfContent content{scene, options, *motion, {}, {}, {}, {}};
+    GltfContent content{scene, options, motion, {}, {}, {}, {}};
     // Normals are those of the positions that they go with: a skin begins with the body as loads leave it.
-    const std::vector<double> plain = motion->withoutMorphs(plainShape(motion->layout).data());
-    motion->character.show(options.layout == ExportLayout::Skinned ? motion->restShape.data() : plain.data());
+    const std::vector<double> plain = motion.withoutMorphs(plainShape(motion.layout).data());
+    motion.character.show(options.layout == ExportLayout::Skinned ? motion.restShape.data() : plain.data());
     for (std::size_t e = 0; e < scene.character.elements.size(); ++e)
-        if (motion->seen[e].mesh < 0) content.surfaces.push_back(renderSurface(scene, static_cast<int>(e), motion->character.surface(static_cast<int>(e)).normals));
+        if (motion.seen[e].mesh < 0) content.surfaces.push_back(renderSurface(scene, static_cast<int>(e), motion.character.surface(static_cast<int>(e)).normals));
     for (int m = 0, parts = 0; m < static_cast<int>(scene.meshes.size()); ++m) {
-        for (auto& surface : partSurfaces(scene, *motion, m, parts, motion->character.renderSurface(m).normals)) content.surfaces.push_back(std::move(surface));
+        for (auto& surface : partSurfaces(scene, motion, m, parts, motion.character.renderSurface(m).normals)) content.surfaces.push_back(std::move(surface));
         parts += static_cast<int>(scene.meshes[static_cast<std::size_t>(m)].model->parts.size());
     }
     if (options.layout == ExportLayout::Skinned) {
-        auto skin = fitSkin(*motion, scene, progress.part(0.1, 0.6));
-        if (!skin) return tl::unexpected(skin.error());
-        report.skinned = skin->error;
-        content.skin = std::move(*skin);
+        IMOMUSHI_TRY(auto skin, fitSkin(motion, scene, progress.part(0.1, 0.6)));
+        report.skinned = skin.error;
+        content.skin = std::move(skin);
     } else {
         MorphErrors errors;
-        auto morphs = buildMorphs(*motion, scene, options, options.layout == ExportLayout::Rigged, errors, progress.part(0.1, 0.6));
-        if (!morphs) return tl::unexpected(morphs.error());
-        content.morphs = std::move(*morphs);
+        IMOMUSHI_TRY(content.morphs, buildMorphs(motion, scene, options, options.layout == ExportLayout::Rigged, errors, progress.part(0.1, 0.6)));
         report.warped = errors.warped;
         report.touched = errors.touched;
         report.followed = errors.followed;
@@ -75,24 +72,21 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
                 content.normalTargets.push_back(normalTargets(content, surface));
             }
     }
-    auto bytes = writeGltf(content, report, progress.part(0.6, 0.8));
-    if (!bytes) return tl::unexpected(bytes.error());
+    IMOMUSHI_TRY(auto bytes, writeGltf(content, report, progress.part(0.6, 0.8)));
     progress.report("check", 0.8);
-    auto error = checkGltf(*bytes, content, *motion, report.checked, progress.part(0.8, 0.95));
-    if (!error) return tl::unexpected(error.error());
-    report.check = *error;
+    IMOMUSHI_TRY(report.check, checkGltf(bytes, content, motion, report.checked, progress.part(0.8, 0.95)));
     if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
     progress.report("save", 0.95);
     auto glb = path;
     if (fbx) glb += ".glb";
-    if (auto written = writeFileAtomically(glb, *bytes); !written) return tl::unexpected(written.error());
-    report.bytes = bytes->size();
+    if (auto written = writeFileAtomically(glb, bytes); !written) return tl::unexpected(written.error());
+    report.bytes = bytes.size();
     if (fbx) {
-        const auto worst = convertToFbx(glb, path, framesPerSecond(*motion), whole.part(own, 1.0));
+        const auto worst = convertToFbx(glb, path, framesPerSecond(motion), whole.part(own, 1.0));
         std::error_code ignored;
         std::filesystem::remove(glb, ignored);
         if (!worst) return tl::unexpected(worst.error());
-        report.check.largest += *worst / motion->diagonal;
+        report.check.largest += *worst / motion.diagonal;
         report.bytes = std::filesystem::file_size(path, ignored);
     }
     report.files.push_back(path);

@@ -21,6 +21,7 @@
 #include <cstring>
 
 #include "core/base/parallel.h"
+#include "core/base/try.h"
 #include "core/export/body_frames.h"
 
 namespace imomushi {
@@ -257,8 +258,7 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
         }
     }
     checked = static_cast<int>(played.size());
-    const auto goals = BodyFrames::build(motion, shapes, progress);
-    if (!goals) return tl::unexpected(goals.error());
+    IMOMUSHI_TRY(const auto goals, BodyFrames::build(motion, shapes, progress));
 
     double largest = 0.0, squares = 0.0, points = 0.0;
     std::size_t vertices = 0, done = 0;
@@ -291,7 +291,7 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
                 for (std::size_t from = 0, to = 0; from < count; from = to) {
                     while (to < count && mover[to] == mover[from]) ++to;
                     Eigen::MatrixXd some;
-                    goals->at(mover[from], {rows.data() + begun + begin + from, to - from}, some);
+                    goals.at(mover[from], {rows.data() + begun + begin + from, to - from}, some);
                     goal.middleRows(static_cast<Eigen::Index>(3 * from), some.rows()) = some;
                 }
                 Eigen::VectorXd at(static_cast<Eigen::Index>(size));
@@ -302,9 +302,9 @@ Result<ExportError> compare(const tinygltf::Model& model, const GltfContent& con
                     for (std::size_t t = 0; t < mesh.targets.size(); ++t)
                         if (const double w = played[k].weights[e][t]; w != 0.0) at += w * part(mesh.targets[t]);
                     const auto& moved = played[k].moved[e];
-                    Eigen::Isometry3d frame = goals->frame(mover[0], k);
+                    Eigen::Isometry3d frame = goals.frame(mover[0], k);
                     for (std::size_t v = 0; v < count; ++v) {
-                        if (v > 0 && mover[v] != mover[v - 1]) frame = goals->frame(mover[v], k);
+                        if (v > 0 && mover[v] != mover[v - 1]) frame = goals.frame(mover[v], k);
                         const Vec3 local = at.segment<3>(3 * static_cast<Eigen::Index>(v));
                         const auto place = [&](std::size_t j) -> Vec3 { return moved[j].leftCols<3>() * local + moved[j].col(3); };
                         Vec3 p = Vec3::Zero();

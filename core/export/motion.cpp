@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/export/motion.h"
+#include "core/base/try.h"
 
 #include <algorithm>
 #include <chrono>
@@ -47,9 +48,8 @@ Result<Character> buildCharacter(const CharacterInput& input, const Progress& pr
 }  // namespace
 
 Result<Motion> Motion::build(const ExportScene& scene, double fps, const Progress& progress) {
-    auto built = buildCharacter(scene.character, progress);
-    if (!built) return tl::unexpected(built.error());
-    Motion motion(std::move(*built));
+    IMOMUSHI_TRY(auto built, buildCharacter(scene.character, progress));
+    Motion motion(std::move(built));
     Character& character = motion.character;
     motion.layout = character.shapeLayout();
     const auto size = static_cast<std::size_t>(motion.layout.size());

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/base/parallel.h"
+#include "core/base/try.h"
 #include "core/character/standard_poses.h"
 #include "core/character/welded_surface.h"
 #include "core/export/body_frames.h"
@@ -340,8 +341,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
     std::vector<std::vector<double>> plain;
     for (std::size_t k = 0; layout.morphs > 0 && k < shapes.size(); ++k) plain.push_back(motion.withoutMorphs(shapes[k]));
     for (std::size_t k = 0; k < plain.size(); ++k) shapes[k] = plain[k].data();
-    const auto frames = BodyFrames::build(motion, shapes, progress);
-    if (!frames) return tl::unexpected(frames.error());
+    IMOMUSHI_TRY(const auto frames, BodyFrames::build(motion, shapes, progress));
     std::vector<Motions> motions;
     for (std::size_t k = 0; k < shapes.size(); ++k) motions.push_back(motionsOf(shapes[k], bones[k]));
     for (std::size_t e = 0; e < elements; ++e) skin.settled = skin.settled || !character.loadColumns(static_cast<int>(e)).empty();
@@ -386,7 +386,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
                 for (std::size_t v = begun + begin; v < begun + end; ++v)
                     if (body.same[v] == static_cast<std::int32_t>(v)) own.push_back(static_cast<std::int32_t>(v - first));
                 Eigen::MatrixXd goals;
-                frames->at(e, own, goals);
+                frames.at(e, own, goals);
                 auto& miss = missed[begin / piece];
                 for (std::size_t i = 0; i < own.size(); ++i) {
                     const std::size_t v = first + static_cast<std::size_t>(own[i]);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/io/build_result.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
 #include <numeric>
 
 #include "core/base/finite.h"

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <new>
 
+#include "core/base/try.h"
 #include "core/io/build_result.h"
 #include "core/io/file_codec.h"
 #include "core/io/limited_import.h"
@@ -43,9 +44,8 @@ Result<RawScene> read(const ImportRequest& request, SceneUse use, const Progress
 template <class Answer>
 Result<Answer> answerFor(const ImportRequest& request, SceneUse use, Result<Answer> (*build)(RawScene, const ImportRequest&, const Progress&), const Progress& progress) {
     try {
-        auto scene = read(request, use, progress);
-        if (!scene) return tl::unexpected(scene.error());
-        auto answer = build(std::move(*scene), request, progress);
+        IMOMUSHI_TRY(auto scene, read(request, use, progress));
+        auto answer = build(std::move(scene), request, progress);
         if (answer) sayLeftOut(answer->issues);
         return answer;
     } catch (const std::bad_alloc&) {

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/base/colour.h"
+#include "core/base/try.h"
 #include "core/io/reader_support.h"
 #include "core/io/text_scanner.h"
 
@@ -116,17 +117,16 @@ private:
 
     Result<void> vertex(std::string_view line) {
         double x[7];
-        const auto n = numbers(line, x);
-        if (!n) return tl::unexpected(n.error());
-        if (*n < 3 || *n > 8 || *n == 5)
-            return badFile(file_, number_, "a vertex needs three coordinates and has " + std::to_string(*n) + " numbers.");
+        IMOMUSHI_TRY(const auto n, numbers(line, x));
+        if (n < 3 || n > 8 || n == 5)
+            return badFile(file_, number_, "a vertex needs three coordinates and has " + std::to_string(n) + " numbers.");
         const auto index = static_cast<std::int32_t>(points_.size() / 3);
         if (points_.size() / 3 >= kMaxVertices) return tooManyVertices(file_);
         points_.insert(points_.end(), x, x + 3);
         if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
             scene_.nonFinite.emplace_back(index, "line " + std::to_string(number_));
-        if (*n >= 6) {
-            const double* c = *n == 6 ? x + 3 : x + 4;
+        if (n >= 6) {
+            const double* c = n == 6 ? x + 3 : x + 4;
             colors_.resize(points_.size(), 1.0f);
             for (int k = 0; k < 3; ++k) {
                 badAttributes_ += !std::isfinite(c[k]);
@@ -138,9 +138,8 @@ private:
 
     Result<void> texCoord(std::string_view line) {
         double x[7] = {};
-        const auto n = numbers(line, x);
-        if (!n) return tl::unexpected(n.error());
-        if (*n < 1) return badFile(file_, number_, "a texture coordinate has no numbers.");
+        IMOMUSHI_TRY(const auto n, numbers(line, x));
+        if (n < 1) return badFile(file_, number_, "a texture coordinate has no numbers.");
         texCoords_.push_back(attributeOrZero(x[0], badAttributes_));
         texCoords_.push_back(1.0f - attributeOrZero(x[1], badAttributes_));
         return {};
@@ -148,9 +147,8 @@ private:
 
     Result<void> normal(std::string_view line) {
         double x[7] = {};
-        const auto n = numbers(line, x);
-        if (!n) return tl::unexpected(n.error());
-        if (*n < 3) return badFile(file_, number_, "a normal needs three numbers and has " + std::to_string(*n) + ".");
+        IMOMUSHI_TRY(const auto n, numbers(line, x));
+        if (n < 3) return badFile(file_, number_, "a normal needs three numbers and has " + std::to_string(n) + ".");
         const double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         for (int k = 0; k < 3; ++k) normals_.push_back(std::isfinite(length) && length > 0.0 ? static_cast<float>(x[k] / length) : 0.0f);
         badAttributes_ += !std::isfinite(length);

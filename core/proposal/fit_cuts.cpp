@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/proposal/fit_cuts.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/proposal/mirror_plane.h"

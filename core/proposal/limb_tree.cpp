@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <queue>
 
+#include "core/base/try.h"
 #include "core/base/union_find.h"
 #include "core/body/cgal/flow_skeleton.h"
 #include "core/body/cgal/rays.h"
@@ -398,10 +398,9 @@ Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progres
         if (!shrinking) return fail("no-skeleton", "Shrinking the body to lines breaks down or comes to no end: cut it by hand, or use handles.");
         return flowSkeleton(mesh, shortest, progress);
     };
-    const auto coarse = skeleton(kCoarse);
-    if (!coarse) return tl::unexpected(coarse.error());
-    LimbTree tree = Builder(mesh, least).build(*coarse);
-    if (farthestFlesh(mesh, *coarse) <= kUnexplained) return tree;
+    IMOMUSHI_TRY(const auto coarse, skeleton(kCoarse));
+    LimbTree tree = Builder(mesh, least).build(coarse);
+    if (farthestFlesh(mesh, coarse) <= kUnexplained) return tree;
     const auto fine = skeleton(kFine);
     if (!fine) return fine.error().code == kCancelled ? Result<LimbTree>(tl::unexpected(fine.error())) : tree;
     LimbTree finer = Builder(mesh, least).build(*fine);

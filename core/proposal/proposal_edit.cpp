@@ -2,7 +2,6 @@
 #include "core/proposal/proposal_edit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <set>

@@ -2,7 +2,6 @@
 #include "core/proposal/rig_flesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>

@@ -6,9 +6,9 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <span>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/proposal/fit_cuts.h"
 #include "core/proposal/mirror_plane.h"
 #include "core/proposal/proposal_codec.h"
@@ -74,11 +74,10 @@ public:
                 if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
                 wished.push_back(wish);
             }
-            const auto tried = fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress);
-            if (!tried) return tl::unexpected(tried.error());
+            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress));
             fitted.clear();
-            for (std::size_t c = 0; c < tried->size(); ++c) {
-                const FittedCut& cut = (*tried)[c];
+            for (std::size_t c = 0; c < tried.size(); ++c) {
+                const FittedCut& cut = tried[c];
                 const int bone = merged_.kept[order[c]];
                 if (cut.kept) {
                     fitted.emplace(bone, cut);
@@ -86,7 +85,7 @@ public:
                     never.emplace_back(bone, "No cut works there: " + cut.why);
                 }
             }
-            if (fitted.size() == tried->size()) break;
+            if (fitted.size() == tried.size()) break;
             merged_ = mergeRig(rig_, flesh_, smallest, never);
         }
         // Rounds may end before all is settled: what is not cut is merged, and then what is kept instead.

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/body/cgal/even_mesh.h"
 #include "core/body/cgal/rays.h"
 #include "core/mesh/bounds.h"
@@ -132,9 +133,7 @@ public:
             }
         }
         progress_.report("cut", 0.5);
-        auto fitted = fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0));
-        if (!fitted) return tl::unexpected(fitted.error());
-        fitted_ = std::move(*fitted);
+        IMOMUSHI_TRY(fitted_, fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0)));
         const bool cut = std::any_of(fitted_.begin(), fitted_.end(), [](const FittedCut& c) { return c.kept; });
         if (!cut) return asBlob(std::nullopt);
         name(tree_.root, plan);

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <new>
 
+#include "core/base/try.h"
 #include "core/worker/process.h"
 
 namespace imomushi {
@@ -75,14 +75,13 @@ Result<std::string> askWorker(std::string_view operation, const std::vector<std:
                               const Progress& progress) {
     std::vector<std::string> leftOut;
     for (int kills = 0;;) {
-        auto worker = workers().take();
-        if (!worker) return tl::unexpected(worker.error());
-        WorkerReply reply = (*worker)->perform(operation, arguments, leftOut, limits, progress);
+        IMOMUSHI_TRY(auto worker, workers().take());
+        WorkerReply reply = worker->perform(operation, arguments, leftOut, limits, progress);
         if (reply.end == WorkerReply::End::Answered) {
-            workers().giveBack(std::move(*worker));
+            workers().giveBack(std::move(worker));
             return std::move(reply.answer);
         }
-        worker->reset();
+        worker.reset();
         const bool died = reply.end == WorkerReply::End::Died,
                    late =
                        reply.end == WorkerReply::End::TimedOut || (died && WIFSIGNALED(reply.status) && WTERMSIG(reply.status) == SIGXCPU);
