@@ -61,7 +61,7 @@ Eigen::MatrixXd comparedMotions(const std::vector<JointFace>& faces, const std::
 }
 
 /// Discretisation error of `fineResponse` by its difference from a coarser level (see coarserLevel()), relative to the motion of free and held vertices
-/// together, root mean square over comparedMotions(). Of a full basis the affine motions of its faces are compared, which are the modes of other bases.
+/// together, the largest over comparedMotions(); where there are handles, their root mean square. Of a full basis the affine motions of its faces are compared, which are the modes of other bases.
 /// Negative where there is no coarser level.
 Result<double> discretisationError(const TrimmedElement& element, const SolvedBody& solved, const ElementResponse& response, const Eigen::MatrixXd& C,
                                    const Eigen::MatrixXd& fineResponse, const Progress& progress) {
@@ -94,12 +94,16 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     }
     held = (held * motions).eval();
     fine = (fine * motions).eval();
-    double sum = 0.0;
+    double largest = 0.0, sum = 0.0;
     for (Eigen::Index c = 0; c < held.cols(); ++c) {
         const double size = fine.col(c).squaredNorm() / static_cast<double>(fine.rows()) + held.col(c).squaredNorm() / static_cast<double>(held.rows());
-        if (size > 0.0) sum += (fine.col(c) - coarse->response.col(c)).squaredNorm() / static_cast<double>(fine.rows()) / size;
+        if (!(size > 0.0)) continue;
+        const double apart = (fine.col(c) - coarse->response.col(c)).squaredNorm() / static_cast<double>(fine.rows()) / size;
+        largest = std::max(largest, apart);
+        sum += apart;
     }
-    return coarser->share * std::sqrt(sum / static_cast<double>(held.cols()));
+    const bool handles = std::any_of(compared.faces.begin(), compared.faces.end(), [](const JointFace& face) { return face.disc.has_value(); });
+    return coarser->share * std::sqrt(handles ? sum / static_cast<double>(held.cols()) : largest);
 }
 
 /// `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there.

@@ -28,8 +28,9 @@ struct ResponseQuality {
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before the projection
     double seconds = 0.0;         ///< wall time of the whole precompute
     int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: three unknowns each
-    /// Estimated error of the response, relative to the motion of the body, root mean square over the joint modes (of handles, which move rigidly, over moves
-    /// and turns): what the discretisation leaves, by the difference from a coarser level; and what mapping from a decimated body adds. Negative: not known.
+    /// Estimated error of the response, relative to the motion of the body (root mean squares over its vertices): what the discretisation leaves, by the difference from a coarser level,
+    /// the largest over the joint modes (where there are handles, which move rigidly, root mean square over moves and turns); and what mapping from a decimated body adds, root mean square
+    /// over the modes. Negative: not known.
     double error = -1.0, mappingError = 0.0;
     std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file of an older program, which does not tell
     std::string noFilling;        ///< see SolvedBody::noFilling

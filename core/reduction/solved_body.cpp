@@ -268,7 +268,7 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
     const auto vertices = static_cast<int>(body.vertices.rows());
     if (VolumeDetail detail = volumeDetail(body, faces, setting); detail.vertices > 0 && fill) {
         if (detail.rim <= 0.0) detail.vertices = std::min(vertices + vertices / 2, detail.vertices);  // coarse bodies are refined
-        return {volumeNodes(body, faces, detail), 2 * detail.vertices, volumeNodes(body, faces, coarserVolume(detail)), true};
+        return {volumeNodes(body, faces, detail), 2 * detail.vertices, volumeNodes(body, faces, coarserVolume(detail, true)), true};
     }
     if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) return {kDraftNodes, 2 * kDraftNodes, SolverMeshSetting::kDraftVertices};
     if (setting.kind == SolverMeshSetting::Kind::AsIs) return {vertices, static_cast<int>(body.triangles.rows()), vertices / 3};
@@ -291,7 +291,7 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
 Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& fine, const Progress& progress) {
     CoarserLevel out;
     if (fine.filling) {
-        auto coarse = volumeBody(BodySurface(body, faces), coarserVolume(fine.detail), progress);
+        auto coarse = volumeBody(BodySurface(body, faces), coarserVolume(fine.detail, fine.decimated), progress);
         if (!coarse) return tl::make_unexpected(coarse.error());
         out.body = std::move(*coarse);
         out.share = volumeErrorLeft(fine);

@@ -23,6 +23,7 @@ struct VolumeDetail {
     /// Edges at the rim of a face over the radius of a disc as large as it. Away from rims tetrahedra are as large as the body's shape lets them be. 0: edges at
     /// rims and elsewhere are as short as those of a body of `vertices`.
     double rim = 0.0;
+    bool onItself = false;  ///< never on another surface in its place
 };
 
 /// The mesh on which an element is solved, and its relation to the body that is displayed.

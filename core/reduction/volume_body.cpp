@@ -27,12 +27,10 @@ constexpr std::size_t kRimFaces = 6;  // up to so many
 /// their rims: small edges there, and only there, give the same error as small ones everywhere with a third to half of the tetrahedra and a fraction of the factor. Against kBestRim, root
 /// mean square over joint modes: drafts 1.1 to 3.9 %, default 0.2 to 0.9 % on 15 pieces of two characters; a torso of low polygons 2.4 %.
 constexpr double kDraftRim = 0.2, kDefaultRim = 0.05, kBestRim = 0.03, kCoarserRim = 1.7;
-/// What is left of the difference from the coarser level, see volumeErrorLeft(). With edges of one size, measured on six bodies with handles.
-constexpr double kVolumeErrorLeft = 0.65;
-/// With small edges at rims alone, measured on sixteen bodies (tests/elasticity/reference_test.cpp). Drafts have not yet the order at which errors fall in the end; there it goes by the
-/// angle of the body within a rim (degrees), as singularities do: flesh that leaves its joint plane at 150 degrees is wrong by twice as much as a cylinder.
-constexpr double kRimErrorLeft = 1.2, kDraftErrorLeft = 0.7, kDraftErrorPerDegree = 0.009, kMostErrorLeft = 1.4;
-/// A decimated body of fewer vertices loses shape on both levels alike, which their difference does not see: by this power.
+/// What is left of the difference from the coarser level, see volumeErrorLeft(): with edges of one size, measured on six bodies with handles; and with small edges at rims alone, a little
+/// more than the mean of thirteen bodies at three Poisson ratios: 0.6 to 1.2 by default, 0.5 to 1.8 in drafts (tests/elasticity/reference_test.cpp).
+constexpr double kVolumeErrorLeft = 0.65, kRimErrorLeft = 1.3;
+/// With edges of one size a decimated body of fewer vertices loses shape on both levels alike, which their difference does not see: by this power.
 constexpr double kKeepShape = 2500.0, kShapeLost = 0.25;
 /// Nodes of such a body, about: for each edge of a rim, and for each vertex of the surface. Fitted to five pieces.
 constexpr double kNodesPerRimEdge = 48.0, kNodesPerVertex = 4.0;
@@ -118,26 +116,6 @@ TetrahedronSizes sizesFor(const SolverMesh& mesh, const VolumeDetail& detail) {
     return out;
 }
 
-/// Mean angle of the body between a face and the free surface, degrees, by the length of rims; 90 where there are none.
-double angleAtRims(const SolverMesh& mesh) {
-    double sum = 0.0, length = 0.0;
-    const std::vector<std::int32_t> face = facesOfTriangles(mesh);
-    const EdgeTable edges(mesh.mesh.triangles);
-    for (int e = 0; e < edges.size(); ++e) {
-        const auto uses = edges.uses(e);
-        if (uses.size() != 2 || face[static_cast<std::size_t>(uses[0].triangle)] == face[static_cast<std::size_t>(uses[1].triangle)]) continue;
-        const Vec3 from = mesh.mesh.vertices.row(uses[0].low), along = mesh.mesh.vertices.row(uses[0].high).transpose() - from;
-        const Vec3 n = areaVector(mesh.mesh, uses[0].triangle).normalized(), m = areaVector(mesh.mesh, uses[1].triangle).normalized();
-        // Across the edge, within the second triangle.
-        const Vec3 centroid = (mesh.mesh.vertices.row(mesh.mesh.triangles(uses[1].triangle, 0)) + mesh.mesh.vertices.row(mesh.mesh.triangles(uses[1].triangle, 1)) +
-                               mesh.mesh.vertices.row(mesh.mesh.triangles(uses[1].triangle, 2))).transpose() / 3.0;
-        const double between = std::atan2(n.cross(m).norm(), n.dot(m)) * 180.0 / std::numbers::pi;
-        sum += along.norm() * (n.dot(centroid - from) > 0.0 ? 180.0 + between : 180.0 - between);
-        length += along.norm();
-    }
-    return length > 0.0 ? sum / length : 90.0;
-}
-
 /// About the nodes around rims of faces, with edges of `rim`, see VolumeDetail.
 double nodesAtRims(std::span<const JointFace> faces, const TriangleMesh& body, double rim) {
     double edges = 0.0;
@@ -182,22 +160,21 @@ int volumeNodes(const TriangleMesh& body, std::span<const JointFace> faces, cons
 }
 
 double volumeErrorLeft(const SolvedBody& fine) {
-    double left = kVolumeErrorLeft;
-    if (fine.detail.rim >= kDraftRim)
-        left = std::min(kDraftErrorLeft + kDraftErrorPerDegree * std::max(0.0, angleAtRims(fine.mesh) - 90.0), kMostErrorLeft);
-    else if (fine.detail.rim > 0.0)
-        left = kRimErrorLeft;
-    return fine.decimated ? left * std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost) : left;
+    if (fine.detail.rim > 0.0) return kRimErrorLeft;
+    return fine.decimated ? kVolumeErrorLeft * std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost) : kVolumeErrorLeft;
 }
 
-VolumeDetail coarserVolume(const VolumeDetail& detail) { return {std::max(detail.vertices / 3, SolverMeshSetting::kFewest), kCoarserRim * detail.rim}; }
+VolumeDetail coarserVolume(const VolumeDetail& detail, bool decimated) {
+    // On one surface the levels differ by their tetrahedra alone. Without small edges at rims it is the surface that has the edges.
+    return {std::max(detail.vertices / 3, SolverMeshSetting::kFewest), kCoarserRim * detail.rim, detail.rim > 0.0 && !decimated};
+}
 
 Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress) {
     const int vertices = detail.vertices;
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto own = static_cast<int>(surface.triangles().vertices.rows());
     std::optional<SolvedBody> out;
-    if (vertices < kWorthIt * own) {
+    if (!detail.onItself && vertices < kWorthIt * own) {
         if (auto small = onDecimated(surface, vertices, progress)) out = std::move(*small);
         if (progress.cancelled()) return cancelled();
         // Dense rims stay as they are, and a body that meets itself cannot be filled either.

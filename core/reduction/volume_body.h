@@ -20,8 +20,8 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
 VolumeDetail volumeDetail(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);
 /// About the nodes of a body that is filled so.
 int volumeNodes(const TriangleMesh& body, std::span<const JointFace> faces, const VolumeDetail& detail);
-/// The coarser level that the error is estimated from.
-VolumeDetail coarserVolume(const VolumeDetail& detail);
+/// The coarser level that the error is estimated from; `decimated`: the finer one is.
+VolumeDetail coarserVolume(const VolumeDetail& detail, bool decimated);
 /// CoarserLevel::share of it.
 double volumeErrorLeft(const SolvedBody& fine);
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The error that a precompute states beside the error that is there, for bodies of tests/data/reference:
-//   bench_stated_error [--modes] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [NAME ...]
-//   bench_stated_error --file FILE.obj --place X,Y,Z,RADIUS ... [...]   a body of any file, held by the vertices of triangles within each radius, against
+//   bench_stated_error [--modes] [--write] [--handles] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [NAME ...]
+//   bench_stated_error --file FILE.obj --place X,Y,Z,RADIUS ... [...]   a body of any file, held by the vertices of triangles within each radius (with --handles by three handles), against
 //     our own finite elements of 20,000 vertices (`change`: from those of 7,000)
 // Errors are over the free vertices, relative to the motion of free and held vertices together (root mean squares), as ResponseQuality::error is: the largest and the root
 // mean square over the motions. These are the cases that the folder has answers to, or, with --modes, every joint mode alone and random ones together, against our own second-order
-// finite elements (`change`: the largest difference from ones with rims 2.5 times as large; errors below three times that are not known). Settings: default and draft.
+// finite elements, extrapolated from rims of two sizes (`change`: the largest difference between them; the answer is off by a tenth of it, about). --write keeps them as
+// NAME.modes.json, at the ratios of all --nu. Settings: default and draft.
+// --handles: three handles take the place of the faces; every move and turn alone, and random ones together.
 // Where a body cannot be filled with tetrahedra, the reason stands above.
 // Nodes: d: of a decimated body, l: with linear displacement.
 // --bisected N: on the same polyhedron with its triangles bisected to about N vertices of equal spacing, measured at the vertices that it had.
@@ -28,9 +30,11 @@
 
 #include "core/base/parallel.h"
 #include "core/elasticity/dense_lu.h"
+#include "core/reduction/body_surface.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/solver_mesh.h"
 #include "core/worker/worker.h"
+#include "tests/support/bisected_body.h"
 #include "tests/support/finite_elements.h"
 #include "tests/support/obj.h"
 #include "tests/support/reference_case.h"
@@ -60,11 +64,87 @@ Eigen::MatrixXd motionsOf(const ReferenceBody& body, const std::vector<FaceBasis
     return out;
 }
 
+/// Moves and turns of every handle alone, then random ones together: #columns x #motions.
+Eigen::MatrixXd rigidMotionsOf(const ReferenceBody& body, const std::vector<FaceBasis>& bases) {
+    std::vector<Eigen::VectorXd> motions;
+    Eigen::Index columns = 0, first = 0;
+    for (const FaceBasis& basis : bases) columns += basis.columns();
+    for (std::size_t f = 0; f < bases.size(); ++f) {
+        const auto add = [&] { return motions.emplace_back(Eigen::VectorXd::Zero(columns)).data() + first; };
+        for (int axis = 0; axis < 3; ++axis) {
+            JointMap move, turn;
+            move.shift = Vec3::Unit(axis);
+            const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+            turn.linear(last, next) = 1.0;
+            turn.linear(next, last) = -1.0;
+            double lost = 0.0;
+            bases[f].coefficients(move, body.faces[f].size, add(), lost);
+            bases[f].coefficients(turn, body.faces[f].size, add(), lost);
+        }
+        first += bases[f].columns();
+    }
+    const auto n = static_cast<Eigen::Index>(motions.size());
+    Eigen::MatrixXd alone(columns, n);
+    for (Eigen::Index m = 0; m < n; ++m) alone.col(m) = motions[static_cast<std::size_t>(m)];
+    Eigen::MatrixXd together = Eigen::MatrixXd::Zero(n, n + kRandom);
+    together.leftCols(n).setIdentity();
+    std::mt19937 random(1);
+    for (Eigen::Index m = n; m < together.cols(); ++m)
+        for (Eigen::Index k = 0; k < n; ++k) together(k, m) = (k % 2 == 0 ? body.faces.front().size : 1.0) * (2.0 * static_cast<double>(random()) / static_cast<double>(std::mt19937::max()) - 1.0);
+    return alone * together;
+}
+
+/// Three handles in place of the body's faces, far from each other, of a radius of 6 % of its diagonal.
+void putHandles(ReferenceBody& body) {
+    const TriangleMesh& mesh = body.mesh->body;
+    body.faces.clear();
+    std::vector<double> distance(static_cast<std::size_t>(mesh.triangles.rows()), 1e300);
+    const double diagonal = body.diagonal();
+    Vec3 from = mesh.vertices.colwise().mean();
+    const auto centre = [&](std::size_t t) -> Vec3 {
+        Vec3 c = Vec3::Zero();
+        for (int k = 0; k < 3; ++k) c += mesh.vertices.row(mesh.triangles(static_cast<Eigen::Index>(t), k)).transpose() / 3.0;
+        return c;
+    };
+    bool begun = false;
+    while (body.faces.size() < 3) {
+        std::size_t best = 0;
+        double far = -1.0;
+        for (std::size_t t = 0; t < distance.size(); ++t) {
+            if (distance[t] < 0.0) continue;
+            const double d = begun ? distance[t] : (centre(t) - from).norm();
+            if (d > far) far = d, best = t;
+        }
+        if (far < 0.0) break;
+        const SurfacePoint place = nearestOnSurface(mesh, centre(best));
+        auto face = jointFaceByDisc(mesh, place.triangle, place.point, 0.06 * diagonal);
+        if (!face) {
+            distance[best] = -1.0;
+            continue;
+        }
+        face->disc = SurfaceDisc{place.point, 0.06 * diagonal};
+        body.faces.push_back(std::move(*face));
+        begun = true;
+        for (std::size_t t = 0; t < distance.size(); ++t)
+            if (distance[t] >= 0.0) distance[t] = std::min(distance[t], (centre(t) - place.point).norm());
+    }
+    body.freeVertices.clear();
+    std::vector<char> held(static_cast<std::size_t>(mesh.vertices.rows()));
+    for (const JointFace& face : body.faces)
+        for (const std::int32_t v : face.vertices) held[static_cast<std::size_t>(v)] = 1;
+    for (std::size_t v = 0; v < held.size(); ++v)
+        if (!held[v]) body.freeVertices.push_back(static_cast<std::int32_t>(v));
+    const BodySurface surface(mesh, body.faces);
+    std::printf("  %s: %zu handles, %ld exact, %zu inside\n", body.name.c_str(), body.faces.size(), std::count(surface.discs.exact.begin(), surface.discs.exact.end(), 1), surface.discs.inside.size());
+    body.name += "_handles";
+}
+
 /// Answers of finite elements to `motions` at the vertices of the body. Empty: there are none.
 std::vector<Points> finiteElements(const ReferenceBody& body, const std::vector<FaceBasis>& bases, const Eigen::MatrixXd& motions, double nu, double rim, double growth) {
     double size = 1e300;
     for (const JointFace& face : body.faces) size = std::min(size, std::sqrt(face.area / std::numbers::pi));
-    const auto mesh = finite_elements::meshBody(body.mesh->body, body.faces, {.rim = rim * size, .crease = 4.0 * rim * size, .bulk = 0.4 * size, .growth = growth});
+    const BodySurface surface(body.mesh->body, body.faces);
+    const auto mesh = finite_elements::meshBody(surface.triangles(), surface.faces, {.rim = rim * size, .crease = 4.0 * rim * size, .bulk = 0.4 * size, .growth = growth});
     if (!mesh) {
         std::printf("  %s\n", mesh.error().message.c_str());
         return {};
@@ -87,7 +167,7 @@ std::vector<Points> finiteElements(const ReferenceBody& body, const std::vector<
     auto solution = solver->solve(held);
     if (!solution) return {};
     std::vector<Points> out;
-    for (const Points& all : solution->displacement) out.push_back(mesh->atVertices(all));
+    for (const Points& all : solution->displacement) out.push_back(mesh->atVertices(all).topRows(body.mesh->body.vertices.rows()));
     return out;
 }
 
@@ -162,6 +242,35 @@ ReferenceBody readHeldBody(const std::string& file, const std::vector<std::strin
     return body;
 }
 
+/// Finite elements without end, by Richardson's extrapolation from rims of two sizes: there the error falls a little faster than they do. `change`: between the two, the largest relative one.
+std::vector<Points> extrapolated(const ReferenceBody& body, const std::vector<FaceBasis>& bases, const Eigen::MatrixXd& motions, double nu, double& change) {
+    constexpr double kRim = 0.012, kCoarser = 2.5, kLeft = 0.5;
+    std::vector<Points> out = finiteElements(body, bases, motions, nu, kRim, 0.5);
+    const std::vector<Points> coarse = finiteElements(body, bases, motions, nu, kRim * kCoarser, 0.5);
+    if (out.empty() || coarse.empty()) return {};
+    change = 0.0;
+    for (std::size_t m = 0; m < out.size(); ++m) {
+        const Points difference = out[m] - coarse[m];
+        change = std::max(change, difference.norm() / out[m].norm());
+        out[m] += kLeft * difference;
+    }
+    return out;
+}
+
+/// What NAME.modes.json keeps of the answers to every joint mode alone.
+ReferenceModes kept(const ReferenceBody& body, double nu, const std::vector<Points>& truth) {
+    constexpr std::size_t kMost = 100;
+    ReferenceModes out;
+    out.nu = nu;
+    const std::size_t count = std::min(kMost, body.freeVertices.size());
+    for (std::size_t i = 0; i < count; ++i) out.vertices.push_back(body.freeVertices[(2 * i + 1) * body.freeVertices.size() / (2 * count)]);
+    for (std::size_t m = 0; m + kRandom < truth.size(); ++m) {
+        Points& u = out.displacement.emplace_back(static_cast<Eigen::Index>(count), 3);
+        for (std::size_t i = 0; i < count; ++i) u.row(static_cast<Eigen::Index>(i)) = truth[m].row(out.vertices[i]);
+    }
+    return out;
+}
+
 struct Errors {
     double largest = 0.0, rms = 0.0;
 };
@@ -185,23 +294,6 @@ Errors errorsOf(const ReferenceBody& body, const std::vector<Points>& truth, con
     return out;
 }
 
-/// The same polyhedron with at least `vertices` vertices, the new ones after the others. `freeVertices` stay as they are.
-void bisect(ReferenceBody& body, int vertices) {
-    const TriangleMesh& mesh = body.mesh->body;
-    std::vector<std::int32_t> label(static_cast<std::size_t>(mesh.triangles.rows()), -1);
-    for (std::size_t f = 0; f < body.faces.size(); ++f)
-        for (const std::int32_t t : body.faces[f].triangles) label[static_cast<std::size_t>(t)] = static_cast<std::int32_t>(f);
-    SolverMesh fine = plainSolverMesh(mesh, body.faces);
-    for (double edge = body.diagonal(); fine.mesh.vertices.rows() < vertices; edge *= 0.97)
-        fine = bisectedTo(mesh, label, body.faces.size(), std::vector<double>(static_cast<std::size_t>(mesh.vertices.rows()), edge));
-    for (std::size_t f = 0; f < body.faces.size(); ++f) {
-        const std::string name = body.faces[f].name;
-        body.faces[f] = jointFaceByVertices(fine.mesh, fine.faces[f].vertices).value();
-        body.faces[f].name = name;
-    }
-    body.mesh = std::make_shared<ElementMesh>(ElementMesh{fine.mesh, {}});
-}
-
 double secondsOfDgetrf(lapack_int n) {
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(n, n);
     std::vector<lapack_int> pivots(static_cast<std::size_t>(n));
@@ -211,7 +303,9 @@ double secondsOfDgetrf(lapack_int n) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, bool own, double nu, const std::vector<std::string>& settings, double bare) {
+/// `original`: before it was bisected. `written`: gets what is kept of the answers.
+void measure(const ReferenceBody& original, const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, bool own, double nu, const std::vector<std::string>& settings, double bare,
+             std::vector<ReferenceModes>* written) {
     ResponseInput input;
     input.mesh = body.mesh;
     input.faces = body.faces;
@@ -220,20 +314,18 @@ void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answer
     std::vector<FaceBasis> bases;
     for (const JointFace& face : body.faces) bases.push_back(FaceBasis::on(body.mesh->body, face, input.basis));
     std::vector<Points> truth;
+    const bool handles = body.faces.front().disc.has_value();
     Eigen::MatrixXd motions;
     double change = -1.0;
+    if (modes) motions = handles ? rigidMotionsOf(original, bases) : motionsOf(original, bases);
     if (modes && own) {
-        motions = motionsOf(body, bases);
         truth = ownAnswers(body, input, motions, "volume:20000");
         const std::vector<Points> coarse = ownAnswers(body, input, motions, "volume:7000");
         if (truth.empty() || coarse.empty()) return;
         change = errorsOf(body, truth, [&](std::size_t m, std::size_t i) -> Vec3 { return (coarse[m].row(body.freeVertices[i]) - truth[m].row(body.freeVertices[i])).transpose(); }).largest;
     } else if (modes) {
-        motions = motionsOf(body, bases);
-        truth = finiteElements(body, bases, motions, nu, 0.015, 0.5);
-        const std::vector<Points> coarse = finiteElements(body, bases, motions, nu, 0.0375, 0.6);
-        if (truth.empty() || coarse.empty()) return;
-        change = errorsOf(body, truth, [&](std::size_t m, std::size_t i) -> Vec3 { return (coarse[m].row(body.freeVertices[i]) - truth[m].row(body.freeVertices[i])).transpose(); }).largest;
+        truth = extrapolated(original, bases, motions, nu, change);
+        if (written && !truth.empty()) written->push_back(kept(original, nu, truth));
     } else {
         motions = motionsOf(body, bases, answers, nu, truth);
     }
@@ -246,7 +338,7 @@ void measure(const ReferenceBody& body, const std::vector<ReferenceCase>& answer
             continue;
         }
         const Eigen::MatrixXd u = response->response * motions;
-        const Errors errors = errorsOf(body, truth, [&](std::size_t m, std::size_t i) -> Vec3 {
+        const Errors errors = errorsOf(original, truth, [&](std::size_t m, std::size_t i) -> Vec3 {
             return u.block<3, 1>(3 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(m)) - truth[m].row(body.freeVertices[i]).transpose();
         });
         const ResponseQuality& quality = response->quality;
@@ -271,12 +363,16 @@ int main(int argc, char** argv) {
     std::string file;
     std::vector<std::string> names, settings, places;
     std::vector<double> ratios;
-    bool modes = false;
+    bool modes = false, handles = false, write = false;
     int bisected = 0;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         if (word == "--modes")
             modes = true;
+        else if (word == "--write")
+            modes = write = true;
+        else if (word == "--handles")
+            modes = handles = true;
         else if (word == "--folder" && i + 1 < argc)
             folder = argv[++i];
         else if (word == "--file" && i + 1 < argc)
@@ -304,10 +400,14 @@ int main(int argc, char** argv) {
     try {
         for (const std::string& name : names) {
             ReferenceBody body = file.empty() ? readReferenceBody(folder, name) : readHeldBody(file, places);
+            if (handles) putHandles(body);
+            std::vector<ReferenceModes> written;
+            const ReferenceBody original = body;
             if (bisected > 0) bisect(body, bisected);
             const std::vector<ReferenceCase> answers = modes ? std::vector<ReferenceCase>() : readReferenceCases(folder, name);
             const double bare = secondsOfDgetrf(static_cast<lapack_int>(3 * body.mesh->body.vertices.rows()));
-            for (const double nu : ratios) measure(body, answers, modes, !file.empty(), nu, settings, bare);
+            for (const double nu : ratios) measure(original, body, answers, modes, !file.empty(), nu, settings, bare, write ? &written : nullptr);
+            if (!written.empty()) writeReferenceModes(folder, name, written);
         }
     } catch (const std::exception& reason) {
         std::printf("%s\n", reason.what());

@@ -2,6 +2,7 @@
 #include "tests/support/reference_case.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -12,6 +13,8 @@ namespace imomushi {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kReferenceSteps = 1e5;
 
 std::ifstream open(const std::string& folder, const std::string& file) {
     std::ifstream stream(folder + "/" + file);
@@ -66,6 +69,40 @@ std::vector<ReferenceCase> readReferenceCases(const std::string& folder, const s
         cases.push_back(std::move(one));
     }
     return cases;
+}
+
+std::vector<ReferenceModes> readReferenceModes(const std::string& folder, const std::string& name) {
+    std::vector<ReferenceModes> out;
+    if (!std::filesystem::exists(folder + "/" + name + ".modes.json")) return out;
+    const json all = readJson(folder, name + ".modes.json");
+    for (const json& one : all["results"]) {
+        ReferenceModes& modes = out.emplace_back();
+        modes.nu = one["nu"];
+        modes.vertices = all["vertices"].get<std::vector<std::int32_t>>();
+        for (const json& column : one["modes"]) {
+            const double unit = column["unit"];
+            const json& values = column["displacement"];
+            Points& u = modes.displacement.emplace_back(static_cast<Eigen::Index>(modes.vertices.size()), 3);
+            for (Eigen::Index i = 0; i < u.size(); ++i) u.data()[i] = unit * values[static_cast<std::size_t>(i)].get<double>();
+        }
+    }
+    return out;
+}
+
+void writeReferenceModes(const std::string& folder, const std::string& name, const std::vector<ReferenceModes>& modes) {
+    json all;
+    all["vertices"] = modes.front().vertices;
+    for (const ReferenceModes& one : modes) {
+        json& result = all["results"].emplace_back();
+        result["nu"] = one.nu;
+        for (const Points& u : one.displacement) {
+            const double unit = u.cwiseAbs().maxCoeff() / kReferenceSteps;
+            json& column = result["modes"].emplace_back();
+            column["unit"] = unit;
+            for (Eigen::Index i = 0; i < u.size(); ++i) column["displacement"].push_back(std::lround(u.data()[i] / unit));
+        }
+    }
+    std::ofstream(folder + "/" + name + ".modes.json") << all.dump() << "\n";
 }
 
 Points faceDisplacement(const ReferenceBody& body, const ReferenceCase& wanted, const Points& points,

@@ -34,6 +34,16 @@ struct ReferenceCase {
 ReferenceBody readReferenceBody(const std::string& folder, const std::string& name);
 std::vector<ReferenceCase> readReferenceCases(const std::string& folder, const std::string& name);
 
+/// The finite-element answers of NAME.modes.json for one Poisson ratio: how some free vertices move while one face does one of the modes of its affine basis and the others rest.
+struct ReferenceModes {
+    double nu = 0.0;
+    std::vector<std::int32_t> vertices;  ///< ascending
+    std::vector<Points> displacement;    ///< per mode, of all faces in turn: #vertices x 3, metres
+};
+/// None: there is no such file.
+std::vector<ReferenceModes> readReferenceModes(const std::string& folder, const std::string& name);
+void writeReferenceModes(const std::string& folder, const std::string& name, const std::vector<ReferenceModes>& modes);
+
 /// Eq. (5) at `points` (#P x 3, global axes), of which `onFace` names per joint face of the body those that lie on it: #P x 3, global axes,
 /// zero everywhere else and on faces that `wanted` does not name.
 Points faceDisplacement(const ReferenceBody& body, const ReferenceCase& wanted, const Points& points,
