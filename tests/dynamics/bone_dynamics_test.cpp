@@ -357,6 +357,26 @@ TEST_CASE("bone dynamics: grabbing a swinging point does not make it jump") {
     CHECK((dynamics.pose().points[4] - pose.points[4]).norm() < 1e-4);
 }
 
+TEST_CASE("bone dynamics: a point that is grabbed where it is stays there, however far away its kinematic place was before") {
+    const Skeleton s = boneChain(4);
+    auto dynamics = make(s, BoneSpring());
+    // Far from rest, as after a throw: the kinematic pose has been back at rest for a frame.
+    Pose away = restPose(s);
+    for (std::size_t i = 1; i < away.points.size(); ++i) away.points[i] = Vec3(0, static_cast<double>(i), 0);
+    dynamics.step(kFrame, away, std::vector<IkGoal>{{0, Vec3::Zero()}});
+    dynamics.reset(away);
+    dynamics.step(1e-4, restPose(s), std::vector<IkGoal>{{0, Vec3::Zero()}});
+    const std::size_t tip = s.points.size() - 1;
+    const Vec3 before = dynamics.pose().points[tip];
+    REQUIRE((before - s.points[tip]).norm() > 4.0);
+    Pose held = restPose(s);
+    held.points[tip] = before;
+    for (int i = 0; i < 5; ++i) {
+        dynamics.step(kFrame, held, std::vector<IkGoal>{{0, Vec3::Zero()}, {static_cast<int>(tip), before}});
+        CHECK((dynamics.pose().points[tip] - before).norm() < 1e-9);
+    }
+}
+
 TEST_CASE("bone dynamics: roll follows what is held with its own frequency and damping") {
     const Skeleton s = boneChain(1);
     BoneSpring spring;
