@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/union_find.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
@@ -45,18 +46,28 @@ const BodyPiece::Cap& capOf(const BodyPiece& piece, const std::vector<Cut>& cuts
 
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
 
-/// `asked`: the cut that a command is about; a refusal that is another one's fault says whose.
-Result<std::vector<BodyPiece>> piecesOf(const CharacterSource& character, PartId asked, const Progress& progress) {
+using Pieces = std::vector<BodyPiece>;
+
+/// Without the names of cuts.
+tl::expected<Pieces, CutRefusal> cutUp(const CharacterSource& character, const Progress& progress) {
     std::vector<CutPlane> planes;
     for (const Cut& cut : character.cuts) planes.push_back(cut.plane);
-    auto pieces = cutBody(character.body->mesh, planes, progress);
-    if (pieces) return std::move(*pieces);
-    const CutRefusal& why = pieces.error();
+    return cutBody(character.body->mesh, planes, progress);
+}
+
+/// `asked`: the cut that a command is about; a refusal that is another one's fault says whose.
+Error named(const CutRefusal& why, const CharacterSource& character, PartId asked) {
     const auto named = [&](int cut) { return quoted(character.cuts[static_cast<std::size_t>(cut)].name); };
     std::string message = why.message;
     if (why.cut >= 0 && character.cuts[static_cast<std::size_t>(why.cut)].id != asked) message = "At the cut " + named(why.cut) + ": " + message;
     if (const int other = why.other; other >= 0 && character.cuts[static_cast<std::size_t>(other)].id != asked) message += " The other cut is " + named(other) + ".";
-    return fail(why.code, std::move(message));
+    return {why.code, std::move(message)};
+}
+
+Result<Pieces> piecesOf(const CharacterSource& character, PartId asked, const Progress& progress) {
+    auto pieces = cutUp(character, progress);
+    if (!pieces) return tl::unexpected(named(pieces.error(), character, asked));
+    return std::move(*pieces);
 }
 
 // ---- joint faces --------------------------------------------------------------------------------------------------------
@@ -271,80 +282,193 @@ PartId makeCharacter(Document& document, PartId element, const std::string& name
     return id;
 }
 
-Result<MadeCut> addCut(Document& document, PartId characterId, PartId elementId, Cut cut, const std::array<std::string, 2>& names, const Progress& progress) {
-    CharacterSource character = *document.characters.at(characterId);
-    cut.id = document.nextId++;
-    const PartId made = cut.id;
-    character.cuts.push_back(std::move(cut));
-    IMOMUSHI_TRY(auto pieces, piecesOf(character, made, progress));
+namespace {
 
-    // The two pieces beside the cut were one element.
-    std::array<const BodyPiece*, 2> sides{};
-    Sides before;
-    for (const BodyPiece& piece : pieces)
-        for (const auto& [id, front] : sidesOf(piece, character.cuts))
-            if (id == made) sides[front ? 1 : 0] = &piece;
-    for (const BodyPiece* piece : sides)
-        for (const auto& side : sidesOf(*piece, character.cuts))
-            if (side.first != made) before.push_back(side);
-    std::sort(before.begin(), before.end());
+/// What new cuts make of an element that there is.
+struct Division {
     std::shared_ptr<const Element> whole;
-    for (const PartId id : document.elementsOf(characterId))
-        if (sidesOf(*document.elements.at(id)->piece) == before) whole = document.elements.at(id);
-    if (!whole) return fail("cut-passes", "The cut would change on which side of each other the other cuts lie: put it between them.");
-    if (elementId != 0 && whole->id != elementId)
-        return fail("other-element", "The section nearest to the origin of the plane belongs to the element " + quoted(whole->name) + ": put the origin into the section that is meant.");
+    std::vector<std::size_t> pieces;  ///< the one that goes on as the element first
+};
 
-    Element behind = *whole, front = *whole;
-    front.id = document.nextId++;
-    if (!names[0].empty()) behind.name = names[0];
-    front.name = names[1].empty() ? numberedName(document, whole->name) : names[1];
-    std::string& cutName = character.cuts.back().name;
-    const bool named = !names[1].empty();
-    for (int n = 1; cutName.empty() || cutName == behind.name || cutName == front.name; ++n)
-        cutName = named ? freeName(document, front.name + " cut" + (n > 1 ? " " + std::to_string(n) : std::string())) : numberedName(document, "cut", n);
-    takePiece(behind, *sides[0], character.cuts);
-    takePiece(front, *sides[1], character.cuts);
-
-    // Each joint face goes with the piece that has all of it.
-    std::vector<OldFace> stay, leave;
-    const auto all = facesOf(*whole);
-    const auto inFront = carriedTo(sides[1]->body, all);
-    for (std::size_t f = 0; f < all.size(); ++f) {
-        const bool goes = all[f].cut != 0 ? front.piece->sideIndex(all[f].cut) >= 0 : inFront[f].has_value();
-        (goes ? leave : stay).push_back(all[f]);
+/// Those that new cuts divide, each with more than one piece. Errors: "cut-passes".
+Result<std::vector<Division>> divisions(const Document& document, const CharacterSource& character, const Pieces& pieces, PartId firstNew) {
+    UnionFind connected(pieces.size());
+    std::map<PartId, std::size_t> beside;  // of a new cut, the first piece seen
+    std::vector<char> inFront(pieces.size(), 0);
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (const auto& [cut, front] : sidesOf(pieces[p], character.cuts)) {
+            if (cut < firstNew) continue;
+            if (front) inFront[p] = 1;
+            if (const auto [other, isNew] = beside.emplace(cut, p); !isNew) connected.unite(static_cast<std::int32_t>(p), static_cast<std::int32_t>(other->second));
+        }
+    std::map<std::int32_t, Division> byFirst;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        auto& of = byFirst[connected.find(static_cast<std::int32_t>(p))].pieces;
+        of.push_back(p);
+        if (inFront[p] == 0) std::swap(of.front(), of.back());
     }
-    MadeCut out{characterId, made, {behind.id, front.id}, {}, 0.0};
-    for (const bool isFront : {false, true}) {
-        Element& element = isFront ? front : behind;
-        const BodyPiece& piece = *sides[isFront ? 1 : 0];
-        IMOMUSHI_TRY(element.faces, facesOn(document, piece, character.cuts, isFront ? leave : stay));
-        const auto& cap = capOf(piece, character.cuts, made);
-        IMOMUSHI_TRY(auto face, jointFaceByTriangles(piece.body, cap.triangles));
-        face.name = freeFaceName(element, cutName);
-        out.faces[isFront ? 1 : 0] = face.name;
-        out.smallestAngle = isFront ? std::min(out.smallestAngle, cap.smallestAngle) : cap.smallestAngle;
-        element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(made))].face = face.name;
-        element.faces.push_back(std::move(face));
-        takeHandles(element, {whole.get()});
-        if (auto ok = checkApart(element); !ok) return tl::unexpected(ok.error());
+    std::vector<Division> found;
+    for (auto& [first, division] : byFirst) {
+        if (division.pieces.size() == 1) continue;
+        Sides before;
+        for (const std::size_t p : division.pieces)
+            for (const auto& side : sidesOf(pieces[p], character.cuts))
+                if (side.first < firstNew) before.push_back(side);
+        std::sort(before.begin(), before.end());
+        for (const PartId id : document.elementsOf(character.id))
+            if (sidesOf(*document.elements.at(id)->piece) == before) division.whole = document.elements.at(id);
+        if (!division.whole) return fail("cut-passes", "The cut would change on which side of each other the other cuts lie: put it between them.");
+        // Parts of a body that touch nowhere fall apart where each is cut.
+        const auto same = std::find_if(found.begin(), found.end(), [&](const Division& other) { return other.whole == division.whole; });
+        if (same == found.end())
+            found.push_back(std::move(division));
+        else
+            same->pieces.insert(same->pieces.end(), division.pieces.begin(), division.pieces.end());
+    }
+    return found;
+}
+
+/// A cut that gets a name of its own where it has none.
+void nameCut(const Document& document, Cut& cut, const Element& behind, const Element& front, bool named) {
+    for (int n = 1; cut.name.empty() || cut.name == behind.name || cut.name == front.name; ++n)
+        cut.name = named ? freeName(document, front.name + " cut" + (n > 1 ? " " + std::to_string(n) : std::string())) : numberedName(document, "cut", n);
+}
+
+}  // namespace
+
+Result<MadeCuts> addCuts(Document& document, PartId characterId, PartId elementId, std::vector<NewCut> wanted, bool leaveOut, const Progress& progress) {
+    CharacterSource character = *document.characters.at(characterId);
+    const PartId firstNew = document.nextId;
+    const std::size_t before = character.cuts.size();
+    MadeCuts out;
+    out.made.resize(wanted.size());
+    std::vector<std::size_t> which;  // of the cuts that are new, into `wanted`
+    for (std::size_t c = 0; c < wanted.size(); ++c) {
+        wanted[c].cut.id = document.nextId++;
+        character.cuts.push_back(wanted[c].cut);
+        which.push_back(c);
+    }
+    Pieces pieces;
+    while (true) {
+        auto cut = cutUp(character, progress);
+        if (cut) {
+            pieces = std::move(*cut);
+            break;
+        }
+        const int fault = std::max(cut.error().cut, cut.error().other);
+        Error why = named(cut.error(), character, leaveOut && fault >= 0 ? character.cuts[static_cast<std::size_t>(fault)].id : wanted.front().cut.id);
+        if (!leaveOut || cut.error().code == kCancelled || fault < static_cast<int>(before)) return tl::unexpected(std::move(why));
+        const std::size_t at = static_cast<std::size_t>(fault) - before;
+        out.refused.push_back({which[at], std::move(why)});
+        which.erase(which.begin() + static_cast<std::ptrdiff_t>(at));
+        character.cuts.erase(character.cuts.begin() + fault);
+        if (which.empty()) return tl::unexpected(out.refused.back().why);
+    }
+    IMOMUSHI_TRY(const auto divided, divisions(document, character, pieces, firstNew));
+    std::map<PartId, std::size_t> wantedOf;
+    for (const std::size_t c : which) wantedOf.emplace(wanted[c].cut.id, c);
+
+    // All that may fail comes first: a document is not changed by halves.
+    struct Divided {
+        PartId whole;
+        std::vector<Element> parts;
+        std::vector<std::vector<OldFace>> gets;  // per part
+    };
+    std::vector<Divided> all;
+    std::vector<Joint> joints;
+    for (const Division& division : divided) {
+        const std::shared_ptr<const Element>& whole = division.whole;
+        if (elementId != 0 && whole->id != elementId)
+            return fail("other-element", "The section nearest to the origin of the plane belongs to the element " + quoted(whole->name) + ": put the origin into the section that is meant.");
+        std::vector<Element> parts;
+        std::vector<PartId> new_;  // of the new cuts here
+        for (std::size_t i = 0; i < division.pieces.size(); ++i) {
+            Element part = *whole;
+            part.name.clear();
+            if (i > 0) part.id = document.nextId++;
+            for (const auto& [cut, front] : sidesOf(pieces[division.pieces[i]], character.cuts)) {
+                const auto found = wantedOf.find(cut);
+                if (found == wantedOf.end()) continue;
+                if (std::find(new_.begin(), new_.end(), cut) == new_.end()) new_.push_back(cut);
+                const std::string& name = wanted[found->second].names[front ? 1 : 0];
+                if (part.name.empty() && (front || i == 0) && !name.empty()) part.name = name;
+            }
+            if (part.name.empty()) part.name = i == 0 ? whole->name : numberedName(document, whole->name);
+            // A name that is taken only once the element is in the document.
+            for (int n = 2; i > 0 && std::any_of(parts.begin(), parts.end(), [&](const Element& other) { return other.name == part.name; }); ++n) part.name = numberedName(document, whole->name, n);
+            takePiece(part, pieces[division.pieces[i]], character.cuts);
+            parts.push_back(std::move(part));
+        }
+        std::sort(new_.begin(), new_.end());
+
+        // Each joint face goes with the piece that has all of it.
+        const auto old = facesOf(*whole);
+        std::vector<std::vector<OldFace>> gets(parts.size());
+        std::vector<std::vector<std::optional<JointFace>>> carried;
+        for (std::size_t i = 1; i < parts.size(); ++i) carried.push_back(carriedTo(parts[i].mesh->body, old));
+        for (std::size_t f = 0; f < old.size(); ++f) {
+            std::size_t to = 0;
+            for (std::size_t i = 1; i < parts.size(); ++i)
+                if (old[f].cut != 0 ? parts[i].piece->sideIndex(old[f].cut) >= 0 : carried[i - 1][f].has_value()) to = i;
+            gets[to].push_back(old[f]);
+        }
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            IMOMUSHI_TRY(parts[i].faces, facesOn(document, pieces[division.pieces[i]], character.cuts, gets[i]));
+        }
+        for (const PartId id : new_) {
+            Cut& cut = character.cuts[static_cast<std::size_t>(character.cutIndex(id))];
+            MadeCut& made = out.made[wantedOf.at(id)].emplace();
+            made.character = characterId, made.cut = id;
+            std::array<std::size_t, 2> sides{};
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                if (const int side = parts[i].piece->sideIndex(id); side >= 0) sides[parts[i].piece->sides[static_cast<std::size_t>(side)].front ? 1 : 0] = i;
+            nameCut(document, cut, parts[sides[0]], parts[sides[1]], !wanted[wantedOf.at(id)].names[1].empty());
+            for (const bool isFront : {false, true}) {
+                Element& element = parts[sides[isFront ? 1 : 0]];
+                const BodyPiece& piece = pieces[division.pieces[sides[isFront ? 1 : 0]]];
+                const auto& cap = capOf(piece, character.cuts, id);
+                IMOMUSHI_TRY(auto face, jointFaceByTriangles(piece.body, cap.triangles));
+                face.name = freeFaceName(element, cut.name);
+                made.elements[isFront ? 1 : 0] = element.id;
+                made.faces[isFront ? 1 : 0] = face.name;
+                made.smallestAngle = isFront ? std::min(made.smallestAngle, cap.smallestAngle) : cap.smallestAngle;
+                element.piece->sides[static_cast<std::size_t>(element.piece->sideIndex(id))].face = face.name;
+                element.faces.push_back(std::move(face));
+            }
+            Joint joint;
+            joint.id = document.nextId++;
+            joint.faces = {{made.elements[0], made.faces[0]}, {made.elements[1], made.faces[1]}};
+            joints.push_back(std::move(joint));
+        }
+        for (Element& part : parts) {
+            takeHandles(part, {whole.get()});
+            if (auto ok = checkApart(part); !ok) return tl::unexpected(ok.error());
+        }
+        all.push_back({whole->id, std::move(parts), std::move(gets)});
     }
 
-    for (const OldFace& face : leave) replaceFace(document, {behind.id, face.face->name}, {front.id, face.face->name});
-    std::vector<PartId> through;
-    for (const auto& [id, bone] : document.bones)
-        if (bone->element == behind.id && liesIn(document, bone->start, front) && liesIn(document, bone->end, front)) through.push_back(id);
-    for (const PartId id : through) exchangePart(document.bones, id, [&](Bone& bone) { bone.element = front.id; });
-    for (std::size_t k = 0; k < kEffects; ++k)
-        if (auto& on = document.effects[static_cast<EffectKind>(k)].elements; on.contains(behind.id)) on.insert(front.id);
-    Joint joint;
-    joint.id = document.nextId++;
-    joint.faces = {{behind.id, out.faces[0]}, {front.id, out.faces[1]}};
-    document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
+    for (Divided& division : all) {
+        for (std::size_t i = 1; i < division.parts.size(); ++i) {
+            const Element& part = division.parts[i];
+            for (const OldFace& face : division.gets[i]) replaceFace(document, {division.whole, face.face->name}, {part.id, face.face->name});
+            std::vector<PartId> through;
+            for (const auto& [id, bone] : document.bones)
+                if (bone->element == division.whole && liesIn(document, bone->start, part) && liesIn(document, bone->end, part)) through.push_back(id);
+            for (const PartId id : through) exchangePart(document.bones, id, [&](Bone& bone) { bone.element = part.id; });
+            for (std::size_t k = 0; k < kEffects; ++k)
+                if (auto& on = document.effects[static_cast<EffectKind>(k)].elements; on.contains(division.whole)) on.insert(part.id);
+        }
+    }
+    for (Joint& joint : joints) document.joints.emplace(joint.id, std::make_shared<const Joint>(std::move(joint)));
+    for (Divided& division : all)
+        for (Element& part : division.parts) put(document, std::move(part));
     document.characters.insert_or_assign(characterId, std::make_shared<const CharacterSource>(std::move(character)));
-    put(document, std::move(behind));
-    put(document, std::move(front));
     return out;
+}
+
+Result<MadeCut> addCut(Document& document, PartId character, PartId element, Cut cut, const std::array<std::string, 2>& names, const Progress& progress) {
+    IMOMUSHI_TRY(auto made, addCuts(document, character, element, {{std::move(cut), names}}, false, progress));
+    return std::move(*made.made.front());
 }
 
 Result<std::vector<PartId>> changeBody(Document& document, PartId characterId, std::shared_ptr<const Body> body, const Progress& progress) {

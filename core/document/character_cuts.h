@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,29 @@ struct MadeCut {
     std::array<std::string, 2> faces;      ///< of the two elements, joined
     double smallestAngle = 0.0;            ///< of the triangles of its caps, radians
 };
+
 /// Makes an element a whole character, which has its mesh as render mesh and as body and no cut yet. Returns the id of the character.
 PartId makeCharacter(Document& document, PartId element, const std::string& name);
 
-/// Cuts the body of a character. The piece behind the plane stays the element that it is cut from, called `names[0]` (empty: as before); the piece in front becomes a new
-/// element `names[1]` (empty: named after the other). Bones that lie wholly in front run through that one from then on. `cut`: without an id; without a name it gets one. `element`: the one that is meant; 0: whichever the plane cuts.
-/// More errors: "other-element" (the section nearest to the origin belongs to another element than `element`).
+struct NewCut {
+    Cut cut;                            ///< without an id; without a name it gets one
+    std::array<std::string, 2> names{};  ///< of the pieces behind and in front of it; empty: as the element was, and named after it
+};
+struct MadeCuts {
+    struct Refused {
+        std::size_t cut;  ///< of those that were asked for
+        Error why;
+    };
+    std::vector<std::optional<MadeCut>> made;  ///< per cut that was asked for
+    std::vector<Refused> refused;              ///< those that were left out
+};
+
+/// Cuts the body of a character by all planes together. Of the pieces of an element the one that lies behind all its new cuts goes on as the element; each other one becomes a new
+/// element. Bones that lie wholly in one run through that one from then on. `element`: the one that is meant; 0: whichever the planes cut. `leaveOut`: a cut that is refused is
+/// left out where others can be made. More errors: "other-element" (the section nearest to an origin belongs to another element than `element`).
+Result<MadeCuts> addCuts(Document& document, PartId character, PartId element, std::vector<NewCut> cuts, bool leaveOut, const Progress& progress);
+
+/// The same with one.
 Result<MadeCut> addCut(Document& document, PartId character, PartId element, Cut cut, const std::array<std::string, 2>& names, const Progress& progress);
 
 /// Gives a character another body, which its cuts divide as they did the old one. Joint faces stay where their triangles do, those of cuts are the new caps, handles are

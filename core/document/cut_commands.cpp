@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <set>
+#include <string_view>
 
 #include "core/document/character_cuts.h"
 #include "core/document/command_support.h"
@@ -38,6 +40,43 @@ Result<CutPlane> cutPlaneFrom(const Json& arguments) {
     return CutPlane{plane.origin(), plane.normal()};
 }
 
+/// What is cut: a whole character, or an element, which becomes one where it is none yet.
+struct Target {
+    PartId character = 0, element = 0;
+    bool isNew = false;
+};
+Result<Target> targetFrom(Document& document, const std::string& name) {
+    Target target;
+    if (const CharacterSource* whole = document.characterNamed(name)) {
+        target.character = whole->id;
+        return target;
+    }
+    IMOMUSHI_TRY(const auto found, elementOf(document, name));
+    target.element = found->id;
+    if (found->piece) target.character = found->piece->character;
+    target.isNew = target.character == 0;
+    if (target.isNew) target.character = makeCharacter(document, target.element, {});
+    return target;
+}
+/// A character that was an element is called like it, where no piece is.
+void nameCharacter(Document& document, const Target& target, const std::string& element) {
+    if (!target.isNew) return;
+    const std::string name = checkNewName(document, element) ? element : freeName(document, "whole " + element);
+    exchangePart(document.characters, target.character, [&](CharacterSource& changed) { changed.name = name; });
+}
+
+Json madeJson(const Document& document, const MadeCut& made) {
+    const CharacterSource& source = *document.characters.at(made.character);
+    Json answer{{"elements", Json::array()}, {"faces", Json::array()}};
+    for (std::size_t i = 0; i < 2; ++i) {
+        answer["elements"].push_back(document.elements.at(made.elements[i])->name);
+        answer["faces"].push_back(faceText(document, {made.elements[i], made.faces[i]}));
+    }
+    answer["cut"] = source.cuts[static_cast<std::size_t>(source.cutIndex(made.cut))].name;
+    answer["smallest_angle"] = made.smallestAngle;
+    return answer;
+}
+
 Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
     IMOMUSHI_TRY(const auto plane, cutPlaneFrom(arguments));
@@ -50,36 +89,49 @@ Result<Json> cut(DocumentEdit& edit, const Json& arguments, const Progress& prog
         if (made.name == names[0] || made.name == names[1]) return fail("name-taken", "A cut cannot be called like a piece, \"" + made.name + "\": choose another name.");
     }
 
-    const std::string& target = text(arguments, "element");
-    PartId element = 0, character = 0;
-    if (const CharacterSource* whole = document.characterNamed(target)) {
-        character = whole->id;
-    } else {
-        IMOMUSHI_TRY(const auto found, elementOf(document, target));
-        element = found->id;
-        if (found->piece) character = found->piece->character;
-    }
-    const bool isNew = character == 0;
-    if (isNew) character = makeCharacter(document, element, {});
+    const std::string& called = text(arguments, "element");
+    IMOMUSHI_TRY(const Target target, targetFrom(document, called));
     const Element* named = names[0].empty() ? nullptr : document.elementNamed(names[0]);
     const PartId holder = named ? named->id : 0;
-    IMOMUSHI_TRY(const auto done, addCut(document, character, element, std::move(made), names, progress));
+    IMOMUSHI_TRY(const auto done, addCut(document, target.character, target.element, std::move(made), names, progress));
     if (holder != 0 && holder != done.elements[0])
         return fail("name-taken", "The name \"" + names[0] + "\" is taken by an element that is not cut: choose another.");
-    if (isNew) {
-        const std::string name = checkNewName(document, target) ? target : freeName(document, "whole " + target);
-        exchangePart(document.characters, character, [&](CharacterSource& changed) { changed.name = name; });
-    }
+    nameCharacter(document, target, called);
+    Json answer = madeJson(document, done);
+    answer["character"] = document.characters.at(target.character)->name;
+    return answer;
+}
 
-    const CharacterSource& source = *document.characters.at(character);
-    Json answer{{"elements", Json::array()}, {"faces", Json::array()}};
-    for (std::size_t i = 0; i < 2; ++i) {
-        answer["elements"].push_back(document.elements.at(done.elements[i])->name);
-        answer["faces"].push_back(faceText(document, {done.elements[i], done.faces[i]}));
+Result<Json> cutAll(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
+    Document& document = edit.document;
+    const Json& list = arguments.at("cuts");
+    if (list.empty()) return fail("bad-value", "\"cuts\" must name at least one plane.");
+    std::vector<NewCut> wanted;
+    std::set<std::string> taken;
+    for (const Json& line : list) {
+        if (!line.is_object() || !line.contains("plane") || !line["plane"].is_object()) return fail("missing-key", "Each of \"cuts\" needs the key \"plane\".");
+        for (const auto& [key, value] : line.items())
+            if (key != "plane" && key != "name" && key != "piece") return fail("unknown-key", "A cut has the keys \"plane\", \"name\" and \"piece\", not \"" + key + "\".");
+        NewCut next;
+        IMOMUSHI_TRY(next.cut.plane, cutPlaneFrom(line));
+        for (const char* key : {"name", "piece"}) {
+            const Json* name = find(line, key);
+            if (!name) continue;
+            if (!name->is_string()) return fail("bad-type", std::string("\"") + key + "\" must be a text.");
+            std::string& to = std::string_view(key) == "name" ? next.cut.name : next.names[1];
+            to = name->get<std::string>();
+            if (auto ok = checkNewName(document, to); !ok) return tl::unexpected(ok.error());
+            if (!taken.insert(to).second) return fail("name-taken", "The name \"" + to + "\" is given twice: choose another.");
+        }
+        wanted.push_back(std::move(next));
     }
-    answer["cut"] = source.cuts[static_cast<std::size_t>(source.cutIndex(done.cut))].name;
-    answer["character"] = source.name;
-    answer["smallest_angle"] = done.smallestAngle;
+    const std::string& called = text(arguments, "element");
+    IMOMUSHI_TRY(const Target target, targetFrom(document, called));
+    IMOMUSHI_TRY(const auto done, addCuts(document, target.character, target.element, std::move(wanted), true, progress));
+    nameCharacter(document, target, called);
+    Json answer{{"character", document.characters.at(target.character)->name}, {"cuts", Json::array()}, {"refused", Json::array()}};
+    for (const auto& made : done.made) answer["cuts"].push_back(made ? madeJson(document, *made) : Json());
+    for (const auto& refused : done.refused) answer["refused"].push_back({{"cut", refused.cut}, {"code", refused.why.code}, {"text", refused.why.message}});
     return answer;
 }
 
@@ -114,6 +166,10 @@ void addCutCommands(CommandRegistry& registry) {
                         {"names", Type::Array, false, "Names of the two pieces, the one behind the plane first (the element's, and that with the next number)."},
                         {"name", Type::Text, false, "A name for the cut (after the piece in front where names are given, else \"cut 1\", ...)."}},
                        cut);
+    registry.addChange("cut-all", "Cuts an element by several planes together, as \"cut\" does by one: where they lie to each other matters only once all are made. Cuts that are refused are left out, as long as one is made.",
+                       {{"element", Type::Text, true, "The element, or a character: whichever of its elements the planes cut."},
+                        {"cuts", Type::Array, true, "[{\"plane\": as for \"cut\", \"name\": of the cut, \"piece\": of the element in front}, ...]; names may be left out."}},
+                       cutAll);
     registry.addChange("move-cut",
                        "Gives a cut another plane. Only the two elements beside it change; their bones, joint faces and names stay, and what ends at the cut follows it. The same elements "
                        "stay in front, whichever way the normal points.",

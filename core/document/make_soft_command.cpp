@@ -55,17 +55,26 @@ public:
     /// Errors: "cancelled".
     Result<void> cut() {
         if (!proposal_.cuts.empty() || !proposal_.handles.empty()) renameRoot();
-        for (std::size_t c = 0; c < proposal_.cuts.size(); ++c) {
-            const ProposedCut& wanted = proposal_.cuts[c];
-            const std::string name = freeName(document(), wanted.name);
-            const auto made = execute({{"do", "cut"}, {"element", source().name}, {"plane", {{"origin", json(wanted.plane.origin)}, {"normal", json(wanted.plane.normal)}}}, {"name", name}},
-                                      "The cut \"" + wanted.name + "\"");
-            if (cancelled()) return cancelledError();
-            if (!made) continue;
-            cuts_[c] = source().cuts[static_cast<std::size_t>(source().cutIndex(name))].id;
-            if (!wanted.piece.empty())
-                execute({{"do", "rename"}, {"target", (*made)["elements"][1]}, {"name", freeName(document(), wanted.piece)}}, "The name \"" + wanted.piece + "\"");
+        if (proposal_.cuts.empty()) return {};
+        Json line{{"do", "cut-all"}, {"element", source().name}, {"cuts", Json::array()}};
+        std::set<std::string> taken;
+        const auto name = [&](const std::string& wish) {
+            std::string found = freeName(document(), wish);
+            for (int n = 2; !taken.insert(found).second; ++n) found = freeName(document(), wish + " " + std::to_string(n));
+            return found;
+        };
+        for (const ProposedCut& wanted : proposal_.cuts) {
+            Json one{{"plane", {{"origin", json(wanted.plane.origin)}, {"normal", json(wanted.plane.normal)}}}, {"name", name(wanted.name)}};
+            if (!wanted.piece.empty()) one["piece"] = name(wanted.piece);
+            line["cuts"].push_back(std::move(one));
         }
+        const auto made = execute(line, proposal_.cuts.size() == 1 ? "The cut \"" + proposal_.cuts[0].name + "\"" : "The cuts");
+        if (cancelled()) return cancelledError();
+        if (!made) return {};
+        for (const Json& one : (*made)["refused"])
+            refused.push_back({{"what", "The cut \"" + proposal_.cuts[one["cut"].get<std::size_t>()].name + "\""}, {"code", one["code"]}, {"text", one["text"]}});
+        for (std::size_t c = 0; c < cuts_.size(); ++c)
+            if (const Json& one = (*made)["cuts"][c]; !one.is_null()) cuts_[c] = source().cuts[static_cast<std::size_t>(source().cutIndex(one["cut"].get<std::string>()))].id;
         return {};
     }
 

@@ -88,7 +88,7 @@ TEST_CASE("make-soft: one step of ordinary commands, and every bone can be dragg
     CHECK(w.session.steps()[0].name == "make-soft");
     const auto commands = commandsOf(w);
     CHECK(!commands.contains("make-soft"));
-    for (const char* command : {"import-character", "cut", "rename", "add-bone", "pin"}) CHECK_MESSAGE(commands.contains(command), command);
+    for (const char* command : {"import-character", "cut-all", "rename", "add-bone", "pin"}) CHECK_MESSAGE(commands.contains(command), command);
     const auto script = w.session.script();
 
     w.good({{"do", "undo"}});
