@@ -134,6 +134,13 @@
     <context>
         <name>BodyTexts</name>
         <message numerus="yes">
+            <source>%n link(s) of flesh, %1 % of the volume</source>
+            <translation>
+                <numerusform>%n link of flesh, %1 % of the volume</numerusform>
+                <numerusform>%n links of flesh, %1 % of the volume</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>%n gap(s) closed, %1 % of the surface</source>
             <translation>
                 <numerusform>%n gap closed, %1 % of the surface</numerusform>

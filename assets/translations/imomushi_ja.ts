@@ -1266,8 +1266,20 @@
             <translation>ほかの部分の内側にある部分をボディから外しました。まわりの肉が運びます。</translation>
         </message>
         <message>
-            <source>Small parts were left out of the body, which carries them.</source>
-            <translation>小さな部分をボディから外しました。ボディが運びます。</translation>
+            <source>The body is not quite the mesh. Choose another way to make it, or repair the mesh.</source>
+            <translation>ボディがメッシュと少し違います。ほかの作り方を選ぶか、メッシュを直してください。</translation>
+        </message>
+        <message>
+            <source>The surface crosses itself. The body has other triangles there.</source>
+            <translation>表面が自分と交わっています。ボディではそこを別の三角形にしました。</translation>
+        </message>
+        <message>
+            <source>Parts that do not touch were linked by tubes of flesh.</source>
+            <translation>触れ合わない部分を肉の管でつなぎました。</translation>
+        </message>
+        <message>
+            <source>Parts without a motion of their own were left out of the body, which carries them.</source>
+            <translation>自分では動かない部分をボディから外しました。ボディが運びます。</translation>
         </message>
         <message>
             <source>Open parts were left out of the body, which carries them.</source>
@@ -1280,10 +1292,6 @@
         <message>
             <source>The surface faces inward.</source>
             <translation>面が内側を向いています。</translation>
-        </message>
-        <message>
-            <source>Parts that touch no others were left out of the body, which carries them.</source>
-            <translation>ほかに触れない部品はボディから除きました。ボディが運びます。</translation>
         </message>
         <message>
             <source>Walls inside of the flesh were left out of the body.</source>
@@ -3194,6 +3202,10 @@
             <translation>関節面がまだないため変形できません。</translation>
         </message>
         <message>
+            <source>A link of flesh holds two parts together here.</source>
+            <translation>ここで肉のつなぎが二つの部分を支えています。</translation>
+        </message>
+        <message>
             <source>The body closes a gap here: both sides move as one.</source>
             <translation>ボディがここのすき間を閉じています。両側は一緒に動きます。</translation>
         </message>
@@ -4915,6 +4927,12 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Volume error %1 %</source>
             <translation>体積の誤差 %1 %</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n link(s) of flesh, %1 % of the volume</source>
+            <translation>
+                <numerusform>肉のつなぎ %n か所（体積の %1 %）</numerusform>
+            </translation>
         </message>
         <message numerus="yes">
             <source>%n gap(s) closed, %1 % of the surface</source>

@@ -10,20 +10,28 @@
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/base/formatted.h"
 #include "core/base/index.h"
 #include "core/base/try.h"
 #include "core/body/body_codec.h"
+#include "core/body/cgal/untangle.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
 #include "core/body/repair.h"
 #include "core/body/wrapped_body.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/triangle_tree.h"
+#include "core/mesh/weld.h"
 #include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
 
+
+/// What an artist is told of: distance of the vertices from the body in diagonals, root mean square; error of the volume.
+constexpr double kFarOff = 0.02, kMuchLost = 0.05;
+/// Change of volume, relative, that untangling a surface may bring.
+constexpr double kUntangledVolume = 0.01;
 
 Result<void> checkSetting(const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))
@@ -71,8 +79,48 @@ struct Mended {
     bool exact = false;
 };
 
-Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared, const Progress& progress) {
-    IMOMUSHI_TRY(auto surface, mendedBody(prepared, progress));
+bool crossesItself(const Body& body) {
+    return std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
+}
+
+/// The same body without its crossings, where what is changed encloses about the same.
+std::optional<Body> withoutCrossings(const Body& body) {
+    const Attempt untangling("the crossings of a surface with itself");
+    if (!untangling) return std::nullopt;
+    auto mesh = untangled(body.mesh);
+    if (!mesh) return std::nullopt;
+    const MeshFacts before = meshFacts(body.mesh), after = meshFacts(*mesh);
+    if (after.components != before.components || std::abs(after.volume - before.volume) > kUntangledVolume * before.volume) return std::nullopt;
+    Body out;
+    out.report = body.report;
+    std::erase_if(out.report.issues, [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
+    out.mesh = std::move(*mesh);
+    if (!sound(out) || crossesItself(out)) return std::nullopt;
+    // Vertices that stay keep their coordinates.
+    const auto vertices = static_cast<std::int32_t>(out.mesh.vertices.rows());
+    Points both(vertices + body.mesh.vertices.rows(), 3);
+    both << out.mesh.vertices, body.mesh.vertices;
+    const std::vector<std::int32_t> standsFor = weldExact(both, std::vector<char>(static_cast<std::size_t>(both.rows()), 1), {});
+    std::size_t lost = 0;
+    for (Eigen::Index v = 0; v < body.mesh.vertices.rows(); ++v) lost += standsFor[at(vertices) + static_cast<std::size_t>(v)] >= vertices;
+    for (const std::int32_t v : body.bodyVertex) {
+        const std::int32_t same = v < 0 ? vertices : standsFor[at(vertices) + at(v)];
+        out.bodyVertex.push_back(same < vertices ? same : -1);
+    }
+    out.report.issues.push_back({Severity::Info, "untangled", "The surface crosses itself: around " + counted(lost, "vertex", "vertices") + " the body has other triangles, which do not.",
+                                 static_cast<int>(lost), true, {}, {}});
+    return out;
+}
+
+Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const PreparedSurface& prepared, const Progress& progress) {
+    BodyBones moved;
+    if (!bones.bone.empty()) {
+        moved.parent = bones.parent;
+        moved.bone.assign(static_cast<std::size_t>(prepared.mesh.vertices.rows()), -1);
+        for (std::size_t r = prepared.vertexOf.size(); r-- > 0;)  // of several at one place the first
+            if (prepared.vertexOf[r] >= 0 && bones.bone[r] >= 0) moved.bone[at(prepared.vertexOf[r])] = bones.bone[r];
+    }
+    IMOMUSHI_TRY(auto surface, mendedBody(prepared, moved, progress));
     Mended out;
     out.body.mesh = std::move(surface.mesh);
     if (!sound(out.body))
@@ -82,11 +130,21 @@ Result<Mended> mend(const TriangleMesh& render, const PreparedSurface& prepared,
         if (prepared.vertexOf[r] >= 0) out.body.bodyVertex[r] = surface.vertexOf[at(prepared.vertexOf[r])];
     out.exact = prepared.sameShape && surface.whole;
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
+    if (crossesItself(out.body))
+        if (auto body = withoutCrossings(out.body)) {
+            out.body = std::move(*body);
+            out.exact = false;
+        }
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     auto& issues = out.body.report.issues;
     issues.insert(issues.begin(), std::make_move_iterator(surface.issues.begin()), std::make_move_iterator(surface.issues.end()));
     // What a mesh with holes encloses is a guess.
-    if (prepared.sameShape) out.body.report.volumeError = surface.volumeLeftOut / (surface.volumeLeftOut + meshFacts(out.body.mesh).volume);
+    if (prepared.sameShape) {
+        double flesh = meshFacts(out.body.mesh).volume;
+        for (const FleshLink& link : surface.links) flesh -= link.volume;
+        out.body.report.volumeError = surface.volumeLeftOut / (surface.volumeLeftOut + flesh);
+    }
+    out.body.report.links = std::move(surface.links);
     return out;
 }
 
@@ -125,17 +183,17 @@ std::string_view nameOf(BodyKind how) {
 
 namespace {
 
-Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int32_t>& part, const BodySetting& setting,
-                          const Progress& progress) {
+Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int32_t>& part, const BodyBones& bones, const BodySetting& setting, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     if (auto ok = checkSetting(setting); !ok) return tl::unexpected(ok.error());
     if (auto ok = checkTriangles(render, part); !ok) return tl::unexpected(ok.error());
+    if (!bones.bone.empty() && bones.bone.size() != static_cast<std::size_t>(render.vertices.rows())) return fail("bad-index", "The skin of the mesh belongs to other vertices: export the mesh again.");
     progress.report("mend", 0.0);
     const PreparedSurface prepared = prepareSurface(render, part);
     if (prepared.mesh.triangles.rows() == 0) return fail("no-volume", "The mesh has no triangle with an area: choose a file with a mesh.");
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
 
-    auto mended = mend(render, prepared, progress.part(0.1, 0.2));
+    auto mended = mend(render, bones, prepared, progress.part(0.1, 0.2));
     if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
     Result<Body> body = fail("no-volume", "");
     if (setting.how == BodyKind::Exact && !(mended && mended->exact)) {
@@ -162,17 +220,36 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
     sayLeftOut(report.issues);
     measureDistance(render, *body);
+    // Vertices of parts that a mended body carries are away from it on purpose.
+    if ((report.how == BodyKind::Wrapped && report.distanceRms > kFarOff) || report.volumeError > kMuchLost) {
+        std::string text = "The body is not quite the mesh: vertices are " + formatted("%.2g", 100.0 * report.distanceRms) + " % of the size away from it (root mean square)";
+        if (report.volumeError > 0.0) text += ", and its volume is off by " + formatted("%.2g", 100.0 * report.volumeError) + " %";
+        report.issues.push_back({Severity::Warning, "differs", text + ": choose another way to make it, or repair the mesh.", 1, false, {}, {}});
+    }
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return body;
 }
 
-const Operation<Result<Body>(TriangleMesh, std::vector<std::int32_t>, BodySetting)> kMakeBody("make-body", makeBodyHere);
+const Operation<Result<Body>(TriangleMesh, std::vector<std::int32_t>, BodyBones, BodySetting)> kMakeBody("make-body", makeBodyHere);
 
 }  // namespace
 
-Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting,
-                      const Progress& progress) {
-    return kMakeBody(render, {part.begin(), part.end()}, setting, progress);
+Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress, const BodyBones& bones) {
+    return kMakeBody(render, {part.begin(), part.end()}, bones, setting, progress);
+}
+
+Result<Body> makeBody(const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) {
+    BodyBones bones;
+    if (!rig || rig->weights.first.size() != static_cast<std::size_t>(model.mesh.body.vertices.rows()) + 1) return makeBody(model.mesh.body, model.part, setting, progress);
+    for (const RigBone& bone : rig->bones) bones.parent.push_back(bone.parent);
+    for (std::size_t v = 0; v + 1 < rig->weights.first.size(); ++v) {
+        std::int32_t most = -1;
+        float weight = 0.0F;
+        for (auto i = at(rig->weights.first[v]); i < at(rig->weights.first[v + 1]); ++i)
+            if (rig->weights.weight[i] > weight) weight = rig->weights.weight[i], most = rig->weights.bone[i];
+        bones.bone.push_back(most);
+    }
+    return makeBody(model.mesh.body, model.part, setting, progress, bones);
 }
 
 }  // namespace imomushi

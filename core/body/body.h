@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "core/base/result.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/render_model.h"
+#include "core/mesh/rig.h"
 
 namespace imomushi {
 
@@ -35,11 +38,19 @@ struct ClosedGaps {
     std::vector<Vec3> places;       ///< in the middle of gaps, one for each group of places near each other, the largest group first; m
 };
 
+/// A tube of flesh that was made between two parts that do not touch, so that the body hangs together.
+struct FleshLink {
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< the middles of the places where the parts face each other, m
+    double radius = 0.0;                          ///< m
+    double volume = 0.0;                          ///< that it adds, m^3
+};
+
 struct BodyReport {
     BodyKind how = BodyKind::Exact;  ///< never Auto
     double distanceRms = 0.0, distanceLargest = 0.0;  ///< of the render vertices from the body's surface, in diagonals
     double volumeError = -1.0;       ///< relative to the volume inside the render mesh; negative: unknown, as the render mesh encloses none
     ClosedGaps gaps;
+    std::vector<FleshLink> links;    ///< the volume that they add is no error
     double detail = 0.0;             ///< of a wrap: the finest that was used, in diagonals; 0 otherwise
     int components = 1;              ///< separate surfaces of the body
     double seconds = 0.0;
@@ -53,10 +64,22 @@ struct Body {
     BodyReport report;
 };
 
+/// What a file says about which flesh moves with which: the bone that moves a vertex most.
+struct BodyBones {
+    std::vector<std::int32_t> bone;    ///< #V of the render mesh, -1: none; empty: the file says nothing
+    std::vector<std::int32_t> parent;  ///< per bone its parent, -1: a root
+};
+
 /// Makes a body of a file's own triangles. `render`: any triangles, of any number of parts; `part`: #F, the part of each triangle, or empty: one part.
 /// Vertices that no triangle uses may hold anything. The same input gives the same bytes.
 /// Errors: "empty-mesh", "bad-index", "non-finite", "no-volume" (nothing with a volume can be made of it), "not-exact", "not-mendable" (only where `how` asks for
 /// one), "bad-detail", "too-large", "cancelled", and those of askWorker(). Where there are workers one does it; steps that break down are left out, and the issue "left-out" says so.
-Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress);
+/// `bones`: which parts that do not touch are limbs, to be linked, and which are carried.
+Result<Body> makeBody(const TriangleMesh& render, std::span<const std::int32_t> part, const BodySetting& setting, const Progress& progress, const BodyBones& bones = {});
+
+/// The same of a file. `rig`: its skeleton, or null.
+Result<Body> makeBody(const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress);
+/// What does that, or stands in for it.
+using BodyMaker = std::function<Result<Body>(const RenderModel&, const Rig*, const BodySetting&, const Progress&)>;
 
 }  // namespace imomushi

@@ -13,6 +13,7 @@
 #include "core/base/union_find.h"
 #include "core/body/cgal/rays.h"
 #include "core/body/cgal/unite.h"
+#include "core/body/flesh_links.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/shells.h"
 #include "core/mesh/triangle_tree.h"
@@ -26,8 +27,10 @@ namespace {
 constexpr double kStandsOut = 0.03;
 /// Volume of a small part over that of all.
 constexpr double kSmall = 0.02;
-/// Volume of parts that touch no other over that of the largest, below which they follow it.
+/// Volume of parts that touch no other over that of the largest, below which they are carried.
 constexpr double kApart = 0.1;
+/// Radii of tubes between parts that do not touch, over those of the discs in which they face each other: one after the other is tried.
+constexpr double kLinkRadii[] = {0.6, 0.3, 0.15};
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
 
@@ -145,13 +148,14 @@ void leaveOut(Sorted& sorted, std::size_t shell) {
         if (sorted.role[i] == Role::Cavity && at(sorted.shells.shells[i].parent) == shell) sorted.role[i] = Role::Inside;
 }
 
-/// Small closed parts on others.
-void findSmall(const TriangleMesh& mesh, double diagonal, Sorted& sorted) {
+/// Small closed parts on others, per shell.
+std::vector<char> findSmall(const TriangleMesh& mesh, double diagonal, const Sorted& sorted) {
     double volume = 0.0;
     for (std::size_t i = 0; i < sorted.role.size(); ++i)
         if (sorted.role[i] == Role::Body) volume += std::abs(sorted.shells.shells[i].volume);
     std::vector<std::int32_t> large;
     std::vector<std::size_t> small;
+    std::vector<char> found(sorted.role.size(), 0);
     for (std::size_t i = 0; i < sorted.role.size(); ++i) {
         const Shells::Shell& shell = sorted.shells.shells[i];
         if (sorted.role[i] != Role::Body) continue;
@@ -160,10 +164,10 @@ void findSmall(const TriangleMesh& mesh, double diagonal, Sorted& sorted) {
         else
             large.insert(large.end(), shell.triangles.begin(), shell.triangles.end());
     }
-    if (small.empty() || large.empty()) return;
+    if (small.empty() || large.empty()) return found;
     const Standing standing(mesh, large);
-    for (const std::size_t i : small)
-        if (standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal) leaveOut(sorted, i);
+    for (const std::size_t i : small) found[i] = standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal;
+    return found;
 }
 
 /// Whether what encloses nothing may be left out.
@@ -177,17 +181,17 @@ bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& s
     });
 }
 
-/// The sets of bodies that touch each other, directly or by others.
-UnionFind touchingBodies(const std::vector<TriangleMesh>& bodies, const Progress& progress) {
+/// The sets of parts that touch each other, directly or by others.
+UnionFind touchingParts(const std::vector<Part>& parts, const Progress& progress) {
     std::vector<Bounds> box;
-    for (const TriangleMesh& b : bodies) box.push_back(boundsOf(b.vertices));
-    UnionFind groups(bodies.size());
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-        for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+    for (const Part& part : parts) box.push_back(boundsOf(part.mesh.vertices));
+    UnionFind groups(parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (std::size_t j = i + 1; j < parts.size(); ++j) {
             if ((box[i].low.array() > box[j].high.array()).any() || (box[j].low.array() > box[i].high.array()).any()) continue;
             if (progress.cancelled()) return groups;
             const auto a = static_cast<std::int32_t>(i), b = static_cast<std::int32_t>(j);
-            if (groups.find(a) != groups.find(b) && surfacesMeet(bodies[i], bodies[j])) groups.unite(a, b);
+            if (groups.find(a) != groups.find(b) && surfacesMeet(parts[i].mesh, parts[j].mesh)) groups.unite(a, b);
         }
     return groups;
 }
@@ -246,6 +250,31 @@ std::optional<TriangleMesh> united(const std::vector<TriangleMesh>& bodies, std:
     return whole;
 }
 
+int eulerNumber(const TriangleMesh& mesh) {
+    const EdgeTable edges(mesh.triangles);
+    return static_cast<int>(mesh.vertices.rows()) - edges.size() + static_cast<int>(mesh.triangles.rows());
+}
+
+/// Two pieces of flesh that do not touch as one, by a tube between two parts of theirs. None where no tube joins them and does nothing else.
+std::optional<LinkTube> joinedByLink(const TriangleMesh& a, const TriangleMesh& b, const TriangleMesh& partA, const TriangleMesh& partB) {
+    for (const double radius : kLinkRadii) {
+        auto tube = linkTube(partA, partB, radius);
+        if (!tube) return std::nullopt;
+        const Attempt uniting("a link between two parts");
+        if (!uniting) continue;
+        const auto half = unite(a, tube->mesh);
+        const auto whole = half ? unite(*half, b) : std::nullopt;
+        if (!whole) continue;
+        // Each end of a tube opens one surface once.
+        const MeshFacts facts = meshFacts(*whole);
+        if (!facts.closed || eulerNumber(*whole) != eulerNumber(a) + eulerNumber(b) - 2) continue;
+        tube->link.volume = facts.volume - meshFacts(a).volume - meshFacts(b).volume;
+        tube->mesh = std::move(*whole);
+        return tube;
+    }
+    return std::nullopt;
+}
+
 /// Triangles of a union that are flatter than this lie between walls that were modelled in one place and differ by rounding: much flatter than any that were modelled.
 constexpr double kUnionFlat = 1e-5;
 
@@ -270,55 +299,80 @@ TriangleMesh tidied(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress& progress) {
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const Progress& progress) {
     const TriangleMesh& mesh = surface.mesh;
     const double diagonal = diagonalOf(mesh.vertices);
     Sorted sorted = sortSurfaces(mesh);
     const auto notMendable = [](const char* what) {
         return fail("not-mendable", std::string("The mesh cannot be closed as it is: ") + what + "; choose a wrapped body, or close it in a modelling program.");
     };
-    findSmall(mesh, diagonal, sorted);
+    std::vector<Part> parts;
+    std::vector<std::size_t> shellOf;  // of the parts
+    {
+        const std::vector<char> small = findSmall(mesh, diagonal, sorted);
+        for (std::size_t i = 0; i < sorted.role.size(); ++i) {
+            if (sorted.role[i] != Role::Body) continue;
+            const Shells::Shell& shell = sorted.shells.shells[i];
+            Part part{taken(mesh, shell.triangles, shell.volume < 0.0), {}, std::abs(shell.volume), small[i] != 0};
+            if (!bones.bone.empty())
+                for (const std::int32_t v : verticesOf(mesh, shell.triangles)) part.bone.push_back(bones.bone[at(v)]);
+            parts.push_back(std::move(part));
+            shellOf.push_back(i);
+        }
+    }
+    if (parts.empty()) return notMendable("no part of it encloses a volume");
+    std::vector<std::int32_t> together(parts.size());
+    {
+        UnionFind sets = touchingParts(parts, progress);
+        for (std::size_t p = 0; p < parts.size(); ++p) together[p] = sets.find(static_cast<std::int32_t>(p));
+    }
+    const Linking linking = planLinks(parts, together, bones.parent, diagonal, progress);
+    if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     std::vector<std::int32_t> body;
-    for (std::size_t i = 0; i < sorted.role.size(); ++i)
-        if (sorted.role[i] == Role::Body) body.insert(body.end(), sorted.shells.shells[i].triangles.begin(), sorted.shells.shells[i].triangles.end());
-    if (body.empty()) return notMendable("no part of it encloses a volume");
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const Shells::Shell& shell = sorted.shells.shells[shellOf[p]];
+        if (linking.attached[p] != 0)
+            leaveOut(sorted, shellOf[p]);
+        else
+            body.insert(body.end(), shell.triangles.begin(), shell.triangles.end());
+    }
     std::sort(body.begin(), body.end());
     if (!sorted.openPieces.empty() && !openPiecesFollow(mesh, diagonal, sorted, body)) return notMendable("open parts of it stand out from the others");
 
     MendedSurface out;
-    std::vector<TriangleMesh> bodies;
-    std::vector<std::size_t> shellOf;  // of the bodies
-    for (std::size_t i = 0; i < sorted.role.size(); ++i) {
-        if (sorted.role[i] != Role::Body) continue;
-        const Shells::Shell& shell = sorted.shells.shells[i];
-        bodies.push_back(taken(mesh, shell.triangles, shell.volume < 0.0));
-        shellOf.push_back(i);
-    }
-    UnionFind sets = touchingBodies(bodies, progress);
-    std::map<std::int32_t, std::vector<std::size_t>> groups;
-    for (std::size_t b = 0; b < bodies.size(); ++b) groups[sets.find(static_cast<std::int32_t>(b))].push_back(b);
-    const auto volumeOf = [&](const std::vector<std::size_t>& group) {
-        double sum = 0.0;
-        for (const std::size_t b : group) sum += std::abs(sorted.shells.shells[shellOf[b]].volume);
-        return sum;
-    };
-    double largest = 0.0;
-    for (const auto& [first, group] : groups) largest = std::max(largest, volumeOf(group));
-    std::vector<TriangleMesh> pieces;
-    std::size_t unions = 0, apart = 0;
+    std::map<std::int32_t, std::vector<std::size_t>> groups;  // parts that touch
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        if (linking.attached[p] == 0) groups[together[p]].push_back(p);
+    std::map<std::int32_t, TriangleMesh> pieces;  // of the lowest group in each
+    std::size_t unions = 0;
     for (const auto& [first, group] : groups) {
-        if (volumeOf(group) < kApart * largest) {
-            apart += group.size();
-            for (const std::size_t b : group) leaveOut(sorted, shellOf[b]);
-            continue;
-        }
         std::vector<TriangleMesh> members;
-        for (const std::size_t b : group) members.push_back(std::move(bodies[b]));
+        for (const std::size_t p : group) members.push_back(parts[p].mesh);
         std::optional<TriangleMesh> one = united(members, unions, progress);
         if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
         if (!one) return notMendable("parts of it cross each other in a way that leaves no clear surface");
-        pieces.push_back(std::move(*one));
+        pieces.emplace(first, std::move(*one));
     }
+    UnionFind linked(parts.size());  // groups
+    for (const auto& [a, b] : linking.pairs) {
+        if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+        const std::int32_t one = linked.find(together[at(a)]), other = linked.find(together[at(b)]);
+        if (one == other) continue;
+        auto link = joinedByLink(pieces.at(one), pieces.at(other), parts[at(a)].mesh, parts[at(b)].mesh);
+        if (!link) continue;
+        linked.unite(one, other);
+        pieces.erase(std::max(one, other));
+        pieces.at(std::min(one, other)) = std::move(link->mesh);
+        out.links.push_back(link->link);
+    }
+    // What no tube reaches is carried, unless it is large.
+    std::map<std::int32_t, double> flesh;
+    double largest = 0.0;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        if (linking.attached[p] == 0) largest = std::max(largest, flesh[linked.find(together[p])] += parts[p].volume);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        if (linking.attached[p] == 0 && flesh[linked.find(together[p])] < kApart * largest) leaveOut(sorted, shellOf[p]);
+    std::erase_if(pieces, [&](const auto& piece) { return flesh[linked.find(piece.first)] < kApart * largest; });
     std::size_t turned = 0, inside = 0, small = 0;
     for (std::size_t i = 0; i < sorted.role.size(); ++i) {
         const double volume = sorted.shells.shells[i].volume;
@@ -327,11 +381,10 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         if (sorted.role[i] == Role::Small) out.volumeLeftOut += std::abs(volume);
         turned += sorted.role[i] == Role::Body && volume < 0.0;
     }
-    small -= apart;
 
-    out.whole = unions + inside + small + apart + sorted.openPieces.size() == 0;
+    out.whole = unions + out.links.size() + inside + small + sorted.openPieces.size() == 0;
     out.vertexOf.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
-    if (unions == 0) {  // triangles and vertices in their order
+    if (unions + out.links.size() == 0) {  // triangles and vertices in their order
         TriangleMesh turnedMesh = mesh;
         std::vector<std::int32_t> kept;
         for (std::size_t i = 0; i < sorted.role.size(); ++i) {
@@ -346,7 +399,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
         for (std::size_t i = 0; i < vertices.size(); ++i) out.vertexOf[at(vertices[i])] = static_cast<std::int32_t>(i);
         out.mesh = taken(turnedMesh, kept, false);
     } else {
-        for (const TriangleMesh& b : pieces) append(out.mesh, b);
+        for (const auto& [first, piece] : pieces) append(out.mesh, piece);
         out.mesh = tidied(out.mesh);
         for (std::size_t i = 0; i < sorted.role.size(); ++i)
             if (sorted.role[i] == Role::Cavity) append(out.mesh, taken(mesh, sorted.shells.shells[i].triangles, sorted.shells.shells[i].inverted()));
@@ -361,8 +414,9 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const Progress&
     if (turned > 0) out.issues.push_back(note(Severity::Info, "inverted", counted(turned, "surface that faced inside out was", "surfaces that faced inside out were") + " turned.", turned));
     if (unions > 0) out.issues.push_back(note(Severity::Info, "united", counted(unions + 1, "part that overlaps another was", "parts that overlap were") + " united.", unions + 1));
     if (inside > 0) out.issues.push_back(note(Severity::Info, "inside", counted(inside, "part inside of another was", "parts inside of others were") + " left out; the flesh around carries them.", inside));
-    if (small > 0) out.issues.push_back(note(Severity::Info, "small-part", counted(small, "small part was", "small parts were") + " left out; the body carries them.", small));
-    if (apart > 0) out.issues.push_back(note(Severity::Info, "apart", counted(apart, "part that touches no other was", "parts that touch no others were") + " left out; the body carries them.", apart));
+    if (!out.links.empty())
+        out.issues.push_back(note(Severity::Info, "linked", counted(out.links.size(), "link of flesh was", "links of flesh were") + " made between parts that do not touch.", out.links.size()));
+    if (small > 0) out.issues.push_back(note(Severity::Info, "attached", counted(small, "part without a motion of its own was", "parts without a motion of their own were") + " left out of the flesh; the body carries them.", small));
     if (pieces.size() > 1)
         out.issues.push_back(note(Severity::Warning, "components", "The body consists of " + std::to_string(pieces.size()) + " parts that touch nowhere: give each a bone, or import them as separate elements.", pieces.size()));
     if (!sorted.openPieces.empty())

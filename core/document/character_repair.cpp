@@ -17,7 +17,7 @@ namespace {
 using Actions = std::vector<RepairAction>;
 
 /// What only making a body says: it is said anew with each body.
-constexpr std::array<std::string_view, 11> kOfBody{"wrapped", "closed-gap", "united", "inside", "small-part", "apart", "open-part", "inner-wall", "components", "self-intersection", "flat"};
+constexpr std::array<std::string_view, 13> kOfBody{"differs", "untangled", "wrapped", "closed-gap", "united", "inside", "linked", "attached", "open-part", "inner-wall", "components", "self-intersection", "flat"};
 
 bool isOfBody(const MeshIssue& issue) { return std::find(kOfBody.begin(), kOfBody.end(), issue.code) != kOfBody.end(); }
 
@@ -128,7 +128,7 @@ struct Mending {
     SurfaceReport surface;     ///< without a body
 };
 
-Result<Mending> mend(const RenderModel& model, const MendPlan& plan, const BodyMaker& maker, const Progress& progress) {
+Result<Mending> mend(const RenderModel& model, const Rig* rig, const MendPlan& plan, const BodyMaker& maker, const Progress& progress) {
     Mending out;
     if (plan.chosen && !plan.wraps) {
         IMOMUSHI_TRY(out.surface, examineSurface(model.mesh.body, model.part, plan.done));
@@ -136,9 +136,9 @@ Result<Mending> mend(const RenderModel& model, const MendPlan& plan, const BodyM
         if (wantsMore(out.surface.left, plan.done)) return out;
     }
     Result<Body> body = fail("no-volume", "");
-    if (plan.mendsFirst) body = maker(model, {}, progress.part(0.0, 0.3));
+    if (plan.mendsFirst) body = maker(model, rig, {}, progress.part(0.0, 0.3));
     const bool crosses = body && hasCode(body->report.issues, "self-intersection");
-    if (!plan.mendsFirst || (crosses && contains(plan.steps, RepairAction::Wrap))) body = maker(model, {BodyKind::Wrapped, plan.detail}, progress.part(0.3, 0.95));
+    if (!plan.mendsFirst || (crosses && contains(plan.steps, RepairAction::Wrap))) body = maker(model, rig, {BodyKind::Wrapped, plan.detail}, progress.part(0.3, 0.95));
     if (!body) return tl::unexpected(body.error());
     body->report.seconds = 0.0;  // the rest of the report is the same each time
     out.body = std::move(*body);
@@ -193,8 +193,8 @@ Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendReques
     MendPlan plan = planFor(character, request);
     report.unneeded = std::move(plan.unneeded);
     if (plan.steps.empty()) return report;
-    const BodyMaker maker = [&edit](const RenderModel& model, const BodySetting& setting, const Progress& part) { return edit.makeBody(model, setting, part); };
-    IMOMUSHI_TRY(auto mending, mend(*character.model, plan, maker, progress));
+    const BodyMaker maker = [&edit](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& part) { return edit.makeBody(model, rig, setting, part); };
+    IMOMUSHI_TRY(auto mending, mend(*character.model, character.rig.get(), plan, maker, progress));
 
     std::vector<MeshIssue> issues;
     if (!mending.body) {  // the wrap stays until nothing is left
@@ -256,8 +256,8 @@ Result<MendWork> mendWork(const Document& document, const Json& repair) {
     }
     if (id == 0) return MendWork([](const BodyMaker&, const Progress&) {});
     const CharacterSource& character = *copy.characters.at(id);
-    return MendWork([model = character.model, plan = planFor(character, request)](const BodyMaker& maker, const Progress& progress) {
-        if (!plan.steps.empty()) (void)mend(*model, plan, maker, progress);  // what goes wrong, goes wrong again when the command asks
+    return MendWork([model = character.model, rig = character.rig, plan = planFor(character, request)](const BodyMaker& maker, const Progress& progress) {
+        if (!plan.steps.empty()) (void)mend(*model, rig.get(), plan, maker, progress);  // what goes wrong, goes wrong again when the command asks
     });
 }
 

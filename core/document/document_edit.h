@@ -18,9 +18,6 @@ using Importer = std::function<Result<ImportResult>(const ImportRequest&, const 
 /// The same of a whole character: importCharacter().
 using CharacterImporter = std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)>;
 
-/// Makes the body of a whole character: makeBody().
-using BodyMaker = std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)>;
-
 /// All that a command that changes the document can reach: the document itself, and questions that it may ask of the rest. It is taken back whole when the command
 /// fails.
 class DocumentEdit {
@@ -46,7 +43,7 @@ public:
 
     Result<ImportResult> import(const ImportRequest& request, const Progress& progress) const { return importer_(request, progress); }
     Result<CharacterFile> importCharacter(const ImportRequest& request, const Progress& progress) const { return characterImporter_(request, progress); }
-    Result<Body> makeBody(const RenderModel& model, const BodySetting& setting, const Progress& progress) const { return bodyMaker_(model, setting, progress); }
+    Result<Body> makeBody(const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) const { return bodyMaker_(model, rig, setting, progress); }
     /// A response comes with an element from another project. The session takes it in when the command has succeeded.
     void bring(PartId element, StoredResponse response) { brought_.emplace_back(element, std::move(response)); }
     [[nodiscard]] const std::vector<std::pair<PartId, StoredResponse>>& brought() const { return brought_; }

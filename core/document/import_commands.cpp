@@ -73,7 +73,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     if (!how) found = mendableIssues(imported.renderModel);
     if (!how && found.empty()) setting.how = BodyKind::Auto;
     if (!found.empty() && setting.detail == 0.0) setting.detail = kPassingDetail;
-    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, setting, progress.part(0.3, 1.0)));
+    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, imported.rig ? &*imported.rig : nullptr, setting, progress.part(0.3, 1.0)));
 
     CharacterSource character;
     character.id = document.nextId++;
@@ -122,6 +122,8 @@ Json bodyJson(const Body& body) {
     const BodyReport& report = body.report;
     Json gaps{{"area", report.gaps.area}, {"narrowest", report.gaps.narrowest}, {"widest", report.gaps.widest}, {"places", Json::array()}};
     for (const Vec3& place : report.gaps.places) gaps["places"].push_back(json(place));
+    Json links = Json::array();
+    for (const FleshLink& link : report.links) links.push_back({{"from", json(link.from)}, {"to", json(link.to)}, {"radius", link.radius}, {"volume", link.volume}});
     return Json{{"how", nameOf(report.how)},
                 {"vertices", body.mesh.vertices.rows()},
                 {"triangles", body.mesh.triangles.rows()},
@@ -129,6 +131,7 @@ Json bodyJson(const Body& body) {
                 {"distance", {{"rms", report.distanceRms}, {"largest", report.distanceLargest}}},
                 {"volume_error", report.volumeError < 0.0 ? Json() : Json(report.volumeError)},
                 {"detail", report.detail},
+                {"links", std::move(links)},
                 {"gaps", std::move(gaps)}};
 }
 

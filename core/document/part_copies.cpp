@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
@@ -36,6 +37,11 @@ CharacterSource placed(const CharacterSource& character, const Placing& placing)
     Body body = *character.body;
     body.mesh = placing.mesh(character.body->mesh);
     for (Vec3& place : body.report.gaps.places) place = placing.point(place);
+    for (FleshLink& link : body.report.links) {
+        link.from = placing.point(link.from), link.to = placing.point(link.to);
+        const double scale = std::cbrt(std::abs(placing.linear.determinant()));
+        link.radius *= scale, link.volume *= scale * scale * scale;
+    }
     for (Cut& cut : out.cuts) cut.plane = placing.plane(cut.plane);
     if (out.rig) {
         Rig rig = *out.rig;

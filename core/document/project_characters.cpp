@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "core/document/command_support.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr const char* kCharacterTables = R"(
 CREATE TABLE characters (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, part BLOB, vertices BLOB, triangles BLOB, body_vertices BLOB, how INTEGER,
     distance_rms REAL, distance_largest REAL, volume_error REAL, gap_area REAL, gap_widest REAL, gap_narrowest REAL, gap_places BLOB, detail REAL, components INTEGER);
+CREATE TABLE body_links (character INTEGER, position INTEGER, start BLOB, end BLOB, radius REAL, volume REAL, PRIMARY KEY (character, position));
 CREATE TABLE character_parts (character INTEGER, position INTEGER, name TEXT, PRIMARY KEY (character, position));
 CREATE TABLE character_issues (character INTEGER, position INTEGER, severity INTEGER, code TEXT, text TEXT, count INTEGER, fixed INTEGER,
     triangles BLOB, vertices BLOB, PRIMARY KEY (character, position));
@@ -23,6 +25,7 @@ CREATE TABLE piece_sides (element INTEGER, position INTEGER, cut INTEGER, front 
 )";
 
 constexpr double kLargestFigure = 1e12;  // of a report's figures, which are in diagonals or relative
+constexpr double kLargestVolume = 1e27;  // m^3, of what fits into the largest coordinates
 
 Points pointsOf(const std::vector<Vec3>& places) {
     Points points(static_cast<Eigen::Index>(places.size()), 3);
@@ -119,12 +122,13 @@ void readPieces(Database& db, Document& document) {
 void createCharacterTables(Database& db) { db.run(kCharacterTables); }
 
 void writeCharacters(Database& db, const Document& document, const MeshIds& meshes) {
-    RowWriter characters(db, "INSERT INTO characters VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"), parts(db, "INSERT INTO character_parts VALUES (?,?,?)"),
+    RowWriter characters(db, "INSERT INTO characters VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"), links(db, "INSERT INTO body_links VALUES (?,?,?,?,?,?)"), parts(db, "INSERT INTO character_parts VALUES (?,?,?)"),
         issues(db, "INSERT INTO character_issues VALUES (?,?,?,?,?,?,?,?,?)"), cuts(db, "INSERT INTO cuts VALUES (?,?,?,?,?,?)");
     for (const auto& [id, c] : document.characters) {
         const BodyReport& r = c->body->report;
         characters.row(id, c->name, meshes.at(&c->model->mesh), c->model->part, c->body->mesh.vertices, c->body->mesh.triangles, c->body->bodyVertex, static_cast<int>(r.how),
                        r.distanceRms, r.distanceLargest, r.volumeError, r.gaps.area, r.gaps.widest, r.gaps.narrowest, pointsOf(r.gaps.places), r.detail, r.components);
+        for (std::size_t i = 0; i < r.links.size(); ++i) links.row(id, i, r.links[i].from, r.links[i].to, r.links[i].radius, r.links[i].volume);
         for (std::size_t i = 0; i < c->model->parts.size(); ++i) parts.row(id, i, c->model->parts[i]);
         for (std::size_t i = 0; i < c->issues.size(); ++i) {
             const MeshIssue& issue = c->issues[i];
@@ -156,6 +160,16 @@ void readCharacters(Database& db, Document& document, const ReadMeshes& meshes) 
         require(found != read.end(), "a character is missing");
         return found->second;
     };
+    std::map<PartId, std::vector<FleshLink>> linksOf;
+    RowReader links(db, "SELECT * FROM body_links ORDER BY character, position");
+    while (links.next()) {
+        const PartId id = readId(links);
+        (void)characterAt(id);
+        readPosition(links, linksOf[id].size());
+        FleshLink link;
+        readColumns(links, link.from, link.to, Within{link.radius, 0.0, kMaxCoordinate}, Within{link.volume, -kLargestVolume, kLargestVolume});
+        linksOf[id].push_back(link);
+    }
     std::map<PartId, std::vector<std::string>> names;
     RowReader parts(db, "SELECT * FROM character_parts ORDER BY character, position");
     while (parts.next()) {
@@ -175,6 +189,11 @@ void readCharacters(Database& db, Document& document, const ReadMeshes& meshes) 
         model.parts = std::move(names[id]);
         require(allWithin(model.part, static_cast<Eigen::Index>(model.parts.size())), "a triangle names a part that is not there");
         character.model = std::make_shared<const RenderModel>(std::move(model));
+        if (auto& made = linksOf[id]; !made.empty()) {
+            Body body = *character.body;
+            body.report.links = std::move(made);
+            character.body = std::make_shared<const Body>(std::move(body));
+        }
         require(checkNewName(document, character.name).has_value(), "a name is broken or used twice");
         document.characters.emplace(id, std::make_shared<const CharacterSource>(std::move(character)));
     }

@@ -287,7 +287,7 @@ Result<void> replaceElement(DocumentEdit& edit, Replacement& replacement, const 
 Result<void> replaceCharacter(DocumentEdit& edit, Replacement& replacement, const CharacterSource& character, const ImportRequest& request, const BodySetting& setting, const Progress& progress) {
     IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress.part(0.0, 0.3)));
     if (imported.renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
-    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, setting, progress.part(0.3, 0.9)));
+    IMOMUSHI_TRY(auto body, edit.makeBody(imported.renderModel, imported.rig ? &*imported.rig : nullptr, setting, progress.part(0.3, 0.9)));
     body.report.seconds = 0.0;  // the rest of the report is the same each time
     std::vector<MeshIssue> issues = issuesWith(imported.issues, imported.renderModel, std::exchange(body.report.issues, {}));
     return replacement.character(character.id, std::make_shared<const RenderModel>(std::move(imported.renderModel)), std::make_shared<const Body>(std::move(body)), std::move(issues),

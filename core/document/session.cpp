@@ -39,7 +39,7 @@ struct NoMemory {
     Error nothingDone, done;
 };
 
-Result<Body> makeBodyOf(const RenderModel& model, const BodySetting& setting, const Progress& progress) { return makeBody(model.mesh.body, model.part, setting, progress); }
+Result<Body> makeBodyOf(const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) { return makeBody(model, rig, setting, progress); }
 
 }  // namespace
 
@@ -280,7 +280,7 @@ void Session::setCharacterImporter(std::function<Result<CharacterFile>(const Imp
     characterImporter_ = importer ? std::move(importer) : importCharacter;
 }
 
-void Session::setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker) { bodyMaker_ = maker ? std::move(maker) : makeBodyOf; }
+void Session::setBodyMaker(BodyMaker maker) { bodyMaker_ = maker ? std::move(maker) : makeBodyOf; }
 
 void Session::setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer) { proposer_ = proposer ? std::move(proposer) : proposeFor; }
 

@@ -131,7 +131,7 @@ public:
     /// The same for importCharacter().
     void setCharacterImporter(std::function<Result<CharacterFile>(const ImportRequest&, const Progress&)> importer);
     /// Replaces makeBody() of imported characters, which the studio calls in the background. Empty: makeBody() again.
-    void setBodyMaker(std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> maker);
+    void setBodyMaker(BodyMaker maker);
     /// Replaces proposeFor() in the same way. Empty: proposeFor() again.
     void setProposer(std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer);
     /// Replaces loadProject() for "open" (the studio reads in the background). Empty: loadProject() again.
@@ -175,7 +175,7 @@ private:
     std::optional<Former> former_;
     Change told_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
-    std::function<Result<Body>(const RenderModel&, const BodySetting&, const Progress&)> bodyMaker_;
+    BodyMaker bodyMaker_;
     std::function<Result<Proposal>(const CharacterSource&, const ProposalRequest&, const Progress&)> proposer_;
     std::function<Result<Project>(const std::filesystem::path&, std::optional<std::int64_t>)> reader_;
     std::function<Result<SavedProject>(const std::filesystem::path&, const Project&, const VersionLimits&)> writer_;

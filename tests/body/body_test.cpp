@@ -157,7 +157,7 @@ TEST_CASE("body: eyes and buttons follow the body") {
     TriangleMesh eyes = ball;
     for (const double x : {-0.3, 0.3}) eyes = both(eyes, moved(shapes::sphere(1.0, 2).mesh, 0.08, Vec3(x, 0.3, 0.9)));
     const Body body = made(eyes, BodyKind::Mended);
-    CHECK(has(body, "small-part"));
+    CHECK(has(body, "attached"));
     CHECK(body.mesh.vertices == ball.vertices);
     CHECK(body.bodyVertex.back() == -1);
     CHECK(body.report.distanceLargest < 0.03);

@@ -117,9 +117,9 @@ TEST_CASE("storage: what is no project is refused with a reason") {
     std::filesystem::remove(path);
     sql(path, "CREATE TABLE t(x); INSERT INTO t VALUES (1)");
     CHECK(openCode(path) == "not-a-project");
-    sql(path, "PRAGMA application_id=" + std::to_string(kProjectApplicationId) + "; PRAGMA user_version=13");
+    sql(path, "PRAGMA application_id=" + std::to_string(kProjectApplicationId) + "; PRAGMA user_version=" + std::to_string(kProjectVersion - 1));
     CHECK(openCode(path) == "before-release");
-    sql(path, "PRAGMA user_version=14");
+    sql(path, "PRAGMA user_version=" + std::to_string(kProjectVersion));
     CHECK(openCode(path) == "damaged");
 }
 

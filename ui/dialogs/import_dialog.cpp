@@ -354,8 +354,11 @@ void ImportDialog::showCharacter() {
     const Body* body = *made.body ? &**made.body : nullptr;
     const Proposal* proposal = made.proposal && *made.proposal ? &**made.proposal : nullptr;
     preview_->show(file, body, proposal);
-    if (body) say((replaced_.empty() ? tr("Ready to import. The body is %1.") : tr("Ready to replace the mesh. The body is %1.")).arg(bodyKindText(body->report.how)), "good");
-    else say(errorText(made.body->error()), "error");
+    const auto flawed = [](const Body& of) { return std::any_of(of.report.issues.begin(), of.report.issues.end(), [](const MeshIssue& issue) { return issue.severity != Severity::Info; }); };
+    if (body)
+        say((replaced_.empty() ? tr("Ready to import. The body is %1.") : tr("Ready to replace the mesh. The body is %1.")).arg(bodyKindText(body->report.how)), flawed(*body) ? "warning" : "good");
+    else
+        say(errorText(made.body->error()), "error");
     const QLocale locale;
     const TriangleMesh& mesh = file.renderModel.mesh.body;
     Vec3 low = Vec3::Constant(1e300), high = -low;

@@ -76,11 +76,13 @@ void MeshPreview::show(const CharacterFile& file, const Body* body, const Propos
     drawn.twoSided = true;
     if (!body) return;
     if (proposal) addProposal(body->mesh, *proposal, scale, box.center());
-    for (const Vec3& gap : body->report.gaps.places) {
+    const auto mark = [&](const Vec3& place) {
         render::Marker& marker = scene_.markers.emplace_back();
         marker.shape = render::Marker::Shape::HeldPoint;
-        marker.from = marker.to = scale * (gap - box.center());
-    }
+        marker.from = marker.to = scale * (place - box.center());
+    };
+    for (const FleshLink& link : body->report.links) mark(0.5 * (link.from + link.to));
+    for (const Vec3& gap : body->report.gaps.places) mark(gap);
 }
 
 void MeshPreview::addProposal(const TriangleMesh& body, const Proposal& proposal, double scale, const Vec3& centre) {

@@ -16,9 +16,9 @@ void usePrepared(Session& session, const std::shared_ptr<const PreparedCharacter
     session.setCharacterImporter([made](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
         return made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
     });
-    session.setBodyMaker([made](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+    session.setBodyMaker([made](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         if (made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
-        return makeBody(model.mesh.body, model.part, setting, progress);
+        return makeBody(model, rig, setting, progress);
     });
     session.setProposer([made](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
         return made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
@@ -35,7 +35,7 @@ void CharacterJob::start(const ImportRequest& request, const BodySetting& settin
             if (!box->file) box->file = std::make_shared<const Result<CharacterFile>>(importCharacter(box->request, progress.part(0.0, kReading)));
             if (!*box->file) return;
             const RenderModel& model = (*box->file)->renderModel;
-            if (!box->body) box->body = std::make_shared<const Result<Body>>(makeBody(model.mesh.body, model.part, box->setting, progress.part(kReading, kBody)));
+            if (!box->body) box->body = std::make_shared<const Result<Body>>(makeBody(model, (*box->file)->rig ? &*(*box->file)->rig : nullptr, box->setting, progress.part(kReading, kBody)));
             if (!box->asked || !*box->body || box->proposal) return;
             CharacterSource character;
             character.name = box->request.path.stem().string();

@@ -15,8 +15,8 @@ void RepairJob::start(const Document& document, const Json& repair) {
     launch(
         [made, work = work ? std::move(*work) : MendWork()](const Progress& progress) {
             if (!work) return;  // the command says what is wrong with it
-            const BodyMaker maker = [&made](const RenderModel& model, const BodySetting& setting, const Progress& part) {
-                Result<Body> body = makeBody(model.mesh.body, model.part, setting, part);
+            const BodyMaker maker = [&made](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& part) {
+                Result<Body> body = makeBody(model, rig, setting, part);
                 if (body) made->push_back({setting, model.mesh.body.vertices, model.mesh.body.triangles, *body});
                 return body;
             };

@@ -4,6 +4,8 @@
 #include <QCoreApplication>
 #include <QLocale>
 
+#include "core/mesh/health.h"
+
 namespace imomushi {
 namespace {
 
@@ -45,6 +47,11 @@ QStringList bodyLines(const Body& body) {
     lines << BodyTexts::tr("Body: %1 vertices, %2 triangles").arg(QLocale().toString(qlonglong(body.mesh.vertices.rows())), QLocale().toString(qlonglong(body.mesh.triangles.rows())));
     lines << BodyTexts::tr("Distance %1, largest %2").arg(diagonalShareText(report.distanceRms), diagonalShareText(report.distanceLargest));
     if (report.volumeError >= 0.0) lines << BodyTexts::tr("Volume error %1 %").arg(percent(report.volumeError));
+    if (!report.links.empty()) {
+        double added = 0.0;
+        for (const FleshLink& link : report.links) added += link.volume;
+        lines << BodyTexts::tr("%n link(s) of flesh, %1 % of the volume", nullptr, int(report.links.size())).arg(percent(added / meshFacts(body.mesh).volume));
+    }
     if (!report.gaps.places.empty())
         lines << BodyTexts::tr("%n gap(s) closed, %1 % of the surface", nullptr, int(report.gaps.places.size())).arg(percent(report.gaps.area));
     return lines;

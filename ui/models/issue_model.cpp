@@ -35,6 +35,7 @@ void IssueModel::rebuild() {
         line.detail = QString::fromStdString(character->name);
         addIssues(lines, line, character->issues);
         addGaps(lines, line, *character);
+        addLinks(lines, line, *character);
     }
     std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.severity > b.severity; });
     const auto same = [](const Line& a, const Line& b) { return a.element == b.element && a.character == b.character && a.point == b.point && a.severity == b.severity && a.title == b.title && a.detail == b.detail && a.repair == b.repair; };
@@ -77,6 +78,16 @@ void IssueModel::addGaps(std::vector<Line>& lines, const Line& subject, const Ch
             line.repairText = tr("Wrap finer");
             line.repair = commands::repair(subject.subject, {std::string(nameOf(RepairAction::Wrap))}, finer);
         }
+        lines.push_back(std::move(line));
+    }
+}
+
+void IssueModel::addLinks(std::vector<Line>& lines, const Line& subject, const CharacterSource& character) const {
+    for (const FleshLink& link : character.body->report.links) {
+        Line line = subject;
+        line.severity = Severity::Info;
+        line.title = tr("A link of flesh holds two parts together here.");
+        line.point = 0.5 * (link.from + link.to);
         lines.push_back(std::move(line));
     }
 }

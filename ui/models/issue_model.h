@@ -48,6 +48,7 @@ private:
     };
     void addIssues(std::vector<Line>& lines, const Line& subject, const std::vector<MeshIssue>& issues) const;
     void addGaps(std::vector<Line>& lines, const Line& subject, const CharacterSource& character) const;
+    void addLinks(std::vector<Line>& lines, const Line& subject, const CharacterSource& character) const;
     StudioDocument& document_;
     std::vector<Line> lines_;
 };

@@ -80,12 +80,12 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
     });
     connect(&file_, &FileJob::takesTime, this, [this] { Q_EMIT working(working_); });
     // Asked for right after the file, by the same command.
-    document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+    document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
         if (made && made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
         for (const MadeBody& ready : prepared->bodies)
             if (ready.isOf(model, setting)) return ready.body;
-        return makeBody(model.mesh.body, model.part, setting, progress);
+        return makeBody(model, rig, setting, progress);
     });
 }
 

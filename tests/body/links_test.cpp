@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/body/body.h"
+#include "core/body/flesh_links.h"
+#include "core/mesh/bounds.h"
+#include "tests/body/messes.h"
+#include "tests/support/shapes.h"
+
+using namespace imomushi;
+
+namespace {
+
+TriangleMesh at(TriangleMesh mesh, const Vec3& place, double scale = 1.0) {
+    mesh.vertices = (scale * mesh.vertices).rowwise() + place.transpose();
+    return mesh;
+}
+TriangleMesh ball(const Vec3& place, double radius) { return at(shapes::sphere(1.0, 3).mesh, place, radius); }
+TriangleMesh box(const Vec3& low, const Vec3& high) { return shapes::box(low, high, 3, 3, 3).mesh; }
+
+struct Scene {
+    TriangleMesh mesh;
+    BodyBones bones;
+    void add(const TriangleMesh& part, std::int32_t bone = -1) {
+        const auto v = static_cast<std::int32_t>(mesh.vertices.rows());
+        const Eigen::Index f = mesh.triangles.rows();
+        mesh.vertices.conservativeResize(v + part.vertices.rows(), 3);
+        mesh.vertices.bottomRows(part.vertices.rows()) = part.vertices;
+        mesh.triangles.conservativeResize(f + part.triangles.rows(), 3);
+        mesh.triangles.bottomRows(part.triangles.rows()) = (part.triangles.array() + v).matrix();
+        bones.bone.resize(static_cast<std::size_t>(mesh.vertices.rows()), bone);
+        volume += meshFacts(part).volume;
+    }
+    Body body() const {
+        auto made = makeBody(mesh, {}, {}, {}, bones.parent.empty() ? BodyBones() : bones);
+        REQUIRE_MESSAGE(made.has_value(), made.error().message);
+        const MeshFacts facts = meshFacts(made->mesh);
+        CHECK(facts.closed);
+        CHECK(facts.outward);
+        for (const MeshIssue& issue : checkMesh(made->mesh)) CHECK_MESSAGE(issue.severity == Severity::Info, issue.text);
+        return std::move(*made);
+    }
+    double volume = 0.0;
+};
+
+}  // namespace
+
+TEST_CASE("links: two balls that do not touch are joined along the line between their middles by a tube of a part of the smaller one's radius") {
+    for (const double gap : {1e-6, 0.01, 0.1}) {
+        CAPTURE(gap);
+        Scene scene;
+        scene.add(ball({0, 0, 0}, 0.5));
+        scene.add(ball({0.75 + gap, 0, 0}, 0.25));
+        const Body body = scene.body();
+        CHECK(body.report.components == 1);
+        REQUIRE(body.report.links.size() == 1);
+        const FleshLink& link = body.report.links[0];
+        CHECK(link.radius > 0.4 * 0.25);
+        CHECK(link.radius < 0.6 * 0.25);
+        CHECK(std::abs((link.to - link.from).normalized().x()) > 0.99);
+        CHECK(std::abs(link.from.y()) < 0.05);
+        // What it adds is the flesh of a cylinder between two caps, which is said and is no error.
+        CHECK(meshFacts(body.mesh).volume - scene.volume == doctest::Approx(link.volume).epsilon(1e-9));
+        CHECK(link.volume > 0.0);
+        CHECK(link.volume < std::numbers::pi * link.radius * link.radius * (gap + 0.1));
+        CHECK(std::abs(body.report.volumeError) < 1e-9);
+        // Vertices of the file that lie in the tube are seen no more.
+        CHECK(body.report.distanceLargest * diagonalOf(body.mesh.vertices) < link.radius);
+        CHECK(body.report.distanceRms < 0.01);
+    }
+}
+
+TEST_CASE("links: a limb of many parts hangs together whatever their order, size and place") {
+    for (const double scale : {1e-2, 1.0, 100.0}) {
+        CAPTURE(scale);
+        for (const bool backward : {false, true}) {
+            std::vector<TriangleMesh> parts{box({-0.2, 0, -0.2}, {0.2, 0.4, 0.2}), ball({0, 0.46, 0}, 0.05), box({-0.06, 0.52, -0.06}, {0.06, 0.8, 0.06}), ball({0.001, 0.86, 0}, 0.05),
+                                            box({-0.05, 0.92, -0.05}, {0.05, 1.2, 0.05})};
+            if (backward) std::reverse(parts.begin(), parts.end());
+            Scene scene;
+            for (const TriangleMesh& part : parts) scene.add(at(part, {3.0, 1.0, -2.0}, scale));
+            const Body body = scene.body();
+            CHECK(body.report.components == 1);
+            CHECK(body.report.links.size() == 4);
+            CHECK(body.report.how == BodyKind::Mended);
+        }
+    }
+}
+
+TEST_CASE("links: what has a bone of its own is a limb; what its neighbour's bone moves is carried by it; what is far belongs to nothing near") {
+    Scene scene;
+    scene.bones.parent = {-1, 0, 0};
+    scene.add(box({-0.3, 0, -0.2}, {0.3, 0.8, 0.2}), 0);     // a chest
+    scene.add(box({-0.1, 0.82, -0.1}, {0.1, 1.0, 0.1}), 1);  // a head
+    scene.add(box({-0.1, 0.3, 0.22}, {0.1, 0.6, 0.3}), 0);   // a backpack
+    const Body body = scene.body();
+    CHECK(body.report.components == 1);
+    REQUIRE(body.report.links.size() == 1);
+    CHECK(body.report.links[0].from.y() == doctest::Approx(0.8).epsilon(0.02));
+    CHECK(body.report.volumeError == doctest::Approx(0.2 * 0.3 * 0.08 / scene.volume).epsilon(1e-6));
+
+    scene.bones.parent.clear();  // without a skeleton nothing says that it is no limb
+    CHECK(scene.body().report.links.size() == 2);
+    scene.add(box({4.0, 0, 0}, {4.1, 0.1, 0.1}));
+    const Body far = scene.body();
+    CHECK(far.report.links.size() == 2);
+    CHECK(far.report.components == 1);
+}
+
+TEST_CASE("links: a part that nothing faces stays apart, and the body says of how many it consists") {
+    Scene scene;
+    scene.add(box({0, 0, 0}, {1, 1, 1}));
+    scene.add(box({20, 0, 0}, {21, 1, 1}));
+    const Body body = scene.body();
+    CHECK(body.report.components == 2);
+    CHECK(body.report.links.empty());
+    CHECK(std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "components" && issue.severity == Severity::Warning; }));
+}

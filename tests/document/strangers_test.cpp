@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+Json numbers(const Vec3& v) { return Json{v.x(), v.y(), v.z()}; }
+
+/// Makes it soft and looks at all that an artist sees first. A line of the table is printed.
+void checkSoft(const std::filesystem::path& path, std::size_t elements) {
+    CAPTURE(path.filename().string());
+    Workbench w;
+    w.session.setCharacterImporter({});
+    const Json made = w.good({{"do", "make-soft"}, {"path", path.string()}, {"draft", true}, {"precompute", false}});
+    const Json& body = made["body"];
+    CHECK_MESSAGE(made["refused"].empty(), made["refused"].dump());
+    CHECK(body["components"] == 1);
+    CHECK(made["elements"].size() >= elements);
+    CHECK(body["distance"]["rms"].get<double>() < 0.02);
+    const double volume = body["volume_error"].is_null() ? 0.0 : body["volume_error"].get<double>();
+
+    const Document document = w.session.document();  // commands put another one in its place
+    Vec3 low = Vec3::Constant(1e30), high = -low;
+    for (const auto& [id, element] : document.elements) {
+        low = low.cwiseMin(element->mesh->body.vertices.colwise().minCoeff().transpose());
+        high = high.cwiseMax(element->mesh->body.vertices.colwise().maxCoeff().transpose());
+    }
+    const double height = high.y() - low.y(), diagonal = (high - low).norm();
+
+    // The end of each limb takes its flesh along.
+    w.good({{"do", "rest"}});
+    REQUIRE(w.session.character() != nullptr);
+    std::set<PartId> parents;
+    for (const auto& [id, bone] : document.bones)
+        if (const auto* from = std::get_if<EndpointRef>(&bone->start)) parents.insert(from->bone);
+    std::size_t limbs = 0;
+    for (const auto& [id, bone] : document.bones) {
+        if (parents.contains(id) || bone->element == 0) continue;
+        const std::string end = bone->name + "/end";
+        w.code({{"do", "unpin"}, {"endpoint", end}});
+        const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        const Vec3 before(at[0], at[1], at[2]);
+        const auto element = static_cast<int>(std::distance(document.elements.begin(), document.elements.find(bone->element)));
+        const auto nearest = [&] {  // of its flesh to the end
+            const auto surface = w.session.character()->surface(element);
+            int best = 0;
+            double least = 1e30;
+            for (int i = 0; i < surface.vertices; ++i)
+                if (const double d = (Eigen::Map<const Eigen::Vector3f>(surface.positions + 3 * i).cast<double>() - before).norm(); d < least) least = d, best = i;
+            return best;
+        }();
+        const auto place = [&] { return Vec3(Eigen::Map<const Eigen::Vector3f>(w.session.character()->surface(element).positions + 3 * nearest).cast<double>()); };
+        const Vec3 was = place();
+        Vec3 way = before - 0.5 * (low + high);
+        way.y() = 0.5 * height;  // aside and up
+        w.good({{"do", "drag"}, {"endpoint", end}, {"to", numbers(before + 0.2 * height * way.normalized())}});
+        const Json after = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        const double moved = (Vec3(after[0], after[1], after[2]) - before).norm();
+        CHECK_MESSAGE((place() - was).norm() >= 0.5 * moved, bone->name);
+        w.good({{"do", "rest"}});
+        ++limbs;
+    }
+    CHECK(limbs > 0);
+
+    std::vector<std::string> ends;
+    for (const auto& [id, bone] : document.bones) ends.push_back(bone->name + "/end");
+    std::mt19937 random(3);
+    const auto uniform = [&] { return static_cast<double>(random()) / 2147483648.0 - 1.0; };
+    double gap = 0.0;
+    for (int i = 0; i < 20; ++i) {
+        const std::string& end = ends[random() % ends.size()];
+        const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        w.code({{"do", "drag"}, {"endpoint", end}, {"to", numbers(Vec3(at[0], at[1], at[2]) + 0.2 * diagonal * Vec3(uniform(), uniform(), uniform()))}});
+        gap = std::max(gap, w.good({{"do", "measure"}, {"what", "gap"}})["value"].get<double>());
+        w.good({{"do", "rest"}});
+    }
+    CHECK(gap <= 1e-6 * diagonal);  // single precision
+    MESSAGE(path.filename().string() << ": " << body["how"].get<std::string>() << ", " << body["vertices"] << " vertices, rms " << 100.0 * body["distance"]["rms"].get<double>() << " %, volume off by "
+                                     << 100.0 * volume << " %, " << body["links"].size() << " links, " << made["elements"].size() << " elements, " << limbs << " limbs, gap "
+                                     << 100.0 * gap / diagonal << " %, seconds " << made["seconds"].dump());
+}
+
+void checkOurs(const char* file, std::size_t elements) { checkSoft(std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters" / file, elements); }
+
+}  // namespace
+
+TEST_CASE("strangers: an artist's mannequin of 29 shells that do not touch becomes soft as a whole") { checkOurs("mannequin.glb", 14); }
+TEST_CASE("strangers: a robot of rigid parts becomes soft as a whole, with a skin and without") {
+    checkOurs("robot.glb", 11);
+    checkOurs("robot_skinned.glb", 11);
+}
+TEST_CASE("strangers: a panda whose halves cross at the tail has a soft tail") { checkOurs("panda.glb", 19); }
+TEST_CASE("strangers: a panda whose halves cross at the muzzle has a soft muzzle") { checkOurs("crossing_halves.glb", 19); }
+TEST_CASE("strangers: a spider whose legs lie on its chest becomes soft as a whole") { checkOurs("legs_on_patches.glb", 17); }
+TEST_CASE("strangers: a body in two materials becomes soft as a whole") { checkOurs("two_materials.glb", 17); }
+TEST_CASE("strangers: an avatar with hair becomes soft as a whole") { checkOurs("avatar.glb", 18); }
+TEST_CASE("strangers: what lies in, on and behind a body is carried by it") { checkOurs("borders.glb", 9); }
