@@ -174,11 +174,11 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
     }
     if (seconds == 0.0) return;
     if (heldNow != held || pointingNow != pointing) {
-        // What is grabbed goes from where it is to where it is held now. Where its kinematic place was before, a long way off perhaps, is nothing to it.
         for (int i = 0; i < points; ++i) {
             if (heldNow[i] && !held[i]) {
-                last.points[i] = frameEnd.points[i] = target.points[i];
-                body.offset[i] = body.x[i] - target.points[i];
+                // What is grabbed where it is stays there: its kinematic place before, a long way off perhaps, is nothing to it.
+                if ((body.x[i] - target.points[i]).squaredNorm() < (body.x[i] - last.points[i]).squaredNorm()) last.points[i] = frameEnd.points[i] = target.points[i];
+                body.offset[i] = body.x[i] - last.points[i];
             }
             if (!heldNow[i]) body.offset[i].setZero();
             if (heldNow[i]) body.contact[i] = kNone;
