@@ -96,17 +96,9 @@ std::optional<Body> withoutCrossings(const Body& body) {
     std::erase_if(out.report.issues, [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
     out.mesh = std::move(*mesh);
     if (!sound(out) || crossesItself(out)) return std::nullopt;
-    // Vertices that stay keep their coordinates.
-    const auto vertices = static_cast<std::int32_t>(out.mesh.vertices.rows());
-    Points both(vertices + body.mesh.vertices.rows(), 3);
-    both << out.mesh.vertices, body.mesh.vertices;
-    const std::vector<std::int32_t> standsFor = weldExact(both, std::vector<char>(static_cast<std::size_t>(both.rows()), 1), {});
-    std::size_t lost = 0;
-    for (Eigen::Index v = 0; v < body.mesh.vertices.rows(); ++v) lost += standsFor[at(vertices) + static_cast<std::size_t>(v)] >= vertices;
-    for (const std::int32_t v : body.bodyVertex) {
-        const std::int32_t same = v < 0 ? vertices : standsFor[at(vertices) + at(v)];
-        out.bodyVertex.push_back(same < vertices ? same : -1);
-    }
+    const std::vector<std::int32_t> now = samePlaces(body.mesh.vertices, out.mesh.vertices);  // those that stay keep their coordinates
+    const auto lost = static_cast<std::size_t>(std::count(now.begin(), now.end(), -1));
+    for (const std::int32_t v : body.bodyVertex) out.bodyVertex.push_back(v < 0 ? -1 : now[at(v)]);
     out.report.issues.push_back({Severity::Info, "untangled", "The surface crosses itself: around " + counted(lost, "vertex", "vertices") + " the body has other triangles, which do not.",
                                  static_cast<int>(lost), true, {}, {}});
     return out;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <queue>
 #include <set>
 #include <tuple>
@@ -62,7 +63,7 @@ Nearness nearness(const TriangleMesh& a, const TriangleTree& treeA, const Triang
 }
 
 /// The bones that move a good part of a part, the most first.
-std::vector<std::int32_t> bonesOf(const Part& part) {
+std::vector<std::int32_t> bonesOf(const FleshPart& part) {
     std::map<std::int32_t, std::size_t> count;
     for (const std::int32_t b : part.bone)
         if (b >= 0) ++count[b];
@@ -92,13 +93,13 @@ bool related(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>
 
 }  // namespace
 
-Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress) {
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress) {
     const std::size_t count = parts.size();
     Linking out;
     out.attached.assign(count, 0);
     std::vector<Bounds> box;
     std::vector<std::vector<std::int32_t>> bones;
-    for (const Part& part : parts) {
+    for (const FleshPart& part : parts) {
         box.push_back(boundsOf(part.mesh.vertices));
         bones.push_back(bonesOf(part));
     }
@@ -107,7 +108,7 @@ Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t
         if (!trees[i]) trees[i] = std::make_unique<TriangleTree>(parts[i].mesh);
         return *trees[i];
     };
-    // The shortest tree over all parts. Most pairs are never measured: boxes say how near two can be at most.
+    // The shortest tree over all parts. Most pairs are never measured: boxes say how near two can be at best.
     struct Candidate {
         double cost;
         std::int32_t a, b;
@@ -115,13 +116,18 @@ Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t
         bool operator>(const Candidate& other) const { return std::tie(cost, a, b, measured) > std::tie(other.cost, other.a, other.b, other.measured); }
     };
     std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open;
-    const auto factor = [&](std::size_t a, std::size_t b) { return bones[a].empty() || bones[b].empty() || related(bones[a], bones[b], parents) ? 1.0 : kOtherBones; };
-    const auto reach = [&](std::size_t a, std::size_t b) { return (bones[a].empty() || bones[b].empty() || factor(a, b) > 1.0 ? kLinked : kLinkedByBones) * diagonal; };
+    /// What a distance between two parts counts as; none: they are too far apart to be linked.
+    const auto cost = [&](std::size_t a, std::size_t b, double distance) -> std::optional<double> {
+        if (distance > kLinkedByBones * diagonal) return std::nullopt;
+        const bool known = !bones[a].empty() && !bones[b].empty(), near = known && related(bones[a], bones[b], parents);
+        if (distance > (near ? kLinkedByBones : kLinked) * diagonal) return std::nullopt;
+        return known && !near ? kOtherBones * distance : distance;
+    };
     for (std::size_t a = 0; a < count; ++a)
         for (std::size_t b = a + 1; b < count; ++b) {
             const Vec3 gap = (box[a].low - box[b].high).cwiseMax(box[b].low - box[a].high).cwiseMax(0.0);
-            if (together[a] != together[b] && gap.norm() > reach(a, b)) continue;
-            open.push({together[a] == together[b] ? -1.0 : factor(a, b) * gap.norm(), static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), together[a] == together[b]});
+            const bool touch = together[a] == together[b];
+            if (const auto least = touch ? std::optional(-1.0) : cost(a, b, gap.norm())) open.push({*least, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), touch});
         }
     UnionFind joined(count);
     std::vector<std::vector<std::int32_t>> neighbours(count);
@@ -131,9 +137,9 @@ Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t
         if (joined.find(next.a) == joined.find(next.b)) continue;
         const std::size_t a = at(next.a), b = at(next.b);
         if (!next.measured) {
-            const double distance = nearness(parts[a].mesh, treeOf(a), parts[b].mesh, treeOf(b)).distance;
-            if (distance > reach(a, b)) continue;
-            next.cost = factor(a, b) * distance;
+            const auto measured = cost(a, b, nearness(parts[a].mesh, treeOf(a), parts[b].mesh, treeOf(b)).distance);
+            if (!measured) continue;
+            next.cost = *measured;
             next.measured = true;
             open.push(next);
             continue;
@@ -144,15 +150,6 @@ Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t
         if (together[a] != together[b]) out.pairs.emplace_back(next.a, next.b);
     }
 
-    // How much of each bone's vertices a part has: where another part has more, the bone is that part's.
-    std::map<std::int32_t, std::vector<std::size_t>> moved;  // bone: per part the number of vertices
-    for (std::size_t p = 0; p < count; ++p)
-        for (const std::int32_t b : parts[p].bone)
-            if (b >= 0) {
-                auto& per = moved[b];
-                per.resize(count, 0);
-                ++per[p];
-            }
     std::map<std::int32_t, double> flesh;  // bone: the largest volume of a part whose first bone it is
     double largest = 0.0;
     for (std::size_t p = 0; p < count; ++p) {
@@ -183,14 +180,6 @@ Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t
             if (out.attached[at(n)] == 0 && --degree[at(n)] == 1) ends.emplace(parts[at(n)].volume, at(n));
     }
     std::erase_if(out.pairs, [&](const auto& pair) { return out.attached[at(pair.first)] != 0 || out.attached[at(pair.second)] != 0; });
-    // What hangs together with nothing large is attached.
-    std::map<std::int32_t, double> whole;
-    for (std::size_t p = 0; p < count; ++p) whole[joined.find(static_cast<std::int32_t>(p))] += parts[p].volume;
-    double most = 0.0;
-    for (const auto& [first, volume] : whole) most = std::max(most, volume);
-    for (std::size_t p = 0; p < count; ++p)
-        if (whole[joined.find(static_cast<std::int32_t>(p))] < kCarriedPart * most) out.attached[p] = 1;
-    std::erase_if(out.pairs, [&](const auto& pair) { return out.attached[at(pair.first)] != 0; });
     return out;
 }
 

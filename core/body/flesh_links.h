@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -12,7 +14,7 @@
 namespace imomushi {
 
 /// A closed, outward surface of a mesh, and which bones move it.
-struct Part {
+struct FleshPart {
     TriangleMesh mesh;
     std::vector<std::int32_t> bone;  ///< #V, the bone that moves each vertex most, -1: none
     double volume = 0.0;             ///< m^3
@@ -27,7 +29,7 @@ struct Linking {
 
 /// Which parts belong together: near ones, of them first those whose bones are the same or neighbours. A part at the end of a tree is attached where it is small, or where the
 /// bone that moves it moves more of another part (a backpack): it has no motion of its own. `together`: parts that touch have the same number. `parents`: of the bones, may be empty.
-Linking planLinks(const std::vector<Part>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress);
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress);
 
 /// A tube of flesh between two parts that do not touch.
 struct LinkTube {

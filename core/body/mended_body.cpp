@@ -182,9 +182,9 @@ bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& s
 }
 
 /// The sets of parts that touch each other, directly or by others.
-UnionFind touchingParts(const std::vector<Part>& parts, const Progress& progress) {
+UnionFind touchingParts(const std::vector<FleshPart>& parts, const Progress& progress) {
     std::vector<Bounds> box;
-    for (const Part& part : parts) box.push_back(boundsOf(part.mesh.vertices));
+    for (const FleshPart& part : parts) box.push_back(boundsOf(part.mesh.vertices));
     UnionFind groups(parts.size());
     for (std::size_t i = 0; i < parts.size(); ++i)
         for (std::size_t j = i + 1; j < parts.size(); ++j) {
@@ -306,14 +306,14 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
     const auto notMendable = [](const char* what) {
         return fail("not-mendable", std::string("The mesh cannot be closed as it is: ") + what + "; choose a wrapped body, or close it in a modelling program.");
     };
-    std::vector<Part> parts;
+    std::vector<FleshPart> parts;
     std::vector<std::size_t> shellOf;  // of the parts
     {
         const std::vector<char> small = findSmall(mesh, diagonal, sorted);
         for (std::size_t i = 0; i < sorted.role.size(); ++i) {
             if (sorted.role[i] != Role::Body) continue;
             const Shells::Shell& shell = sorted.shells.shells[i];
-            Part part{taken(mesh, shell.triangles, shell.volume < 0.0), {}, std::abs(shell.volume), small[i] != 0};
+            FleshPart part{taken(mesh, shell.triangles, shell.volume < 0.0), {}, std::abs(shell.volume), small[i] != 0};
             if (!bones.bone.empty())
                 for (const std::int32_t v : verticesOf(mesh, shell.triangles)) part.bone.push_back(bones.bone[at(v)]);
             parts.push_back(std::move(part));
@@ -383,7 +383,6 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
     }
 
     out.whole = unions + out.links.size() + inside + small + sorted.openPieces.size() == 0;
-    out.vertexOf.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
     if (unions + out.links.size() == 0) {  // triangles and vertices in their order
         TriangleMesh turnedMesh = mesh;
         std::vector<std::int32_t> kept;
@@ -396,6 +395,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         }
         std::sort(kept.begin(), kept.end());
         const std::vector<std::int32_t> vertices = verticesOf(mesh, kept);
+        out.vertexOf.assign(static_cast<std::size_t>(mesh.vertices.rows()), -1);
         for (std::size_t i = 0; i < vertices.size(); ++i) out.vertexOf[at(vertices[i])] = static_cast<std::int32_t>(i);
         out.mesh = taken(turnedMesh, kept, false);
     } else {
@@ -403,13 +403,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         out.mesh = tidied(out.mesh);
         for (std::size_t i = 0; i < sorted.role.size(); ++i)
             if (sorted.role[i] == Role::Cavity) append(out.mesh, taken(mesh, sorted.shells.shells[i].triangles, sorted.shells.shells[i].inverted()));
-        // A union keeps the coordinates of the vertices that stay.
-        Points both(out.mesh.vertices.rows() + mesh.vertices.rows(), 3);
-        both << out.mesh.vertices, mesh.vertices;
-        const std::vector<std::int32_t> standsFor = weldExact(both, std::vector<char>(static_cast<std::size_t>(both.rows()), 1), {});
-        const auto bodyVertices = static_cast<std::int32_t>(out.mesh.vertices.rows());
-        for (std::size_t v = 0; v < out.vertexOf.size(); ++v)
-            if (const std::int32_t same = standsFor[at(bodyVertices) + v]; same < bodyVertices) out.vertexOf[v] = same;
+        out.vertexOf = samePlaces(mesh.vertices, out.mesh.vertices);  // a union keeps the coordinates of the vertices that stay
     }
     if (turned > 0) out.issues.push_back(note(Severity::Info, "inverted", counted(turned, "surface that faced inside out was", "surfaces that faced inside out were") + " turned.", turned));
     if (unions > 0) out.issues.push_back(note(Severity::Info, "united", counted(unions + 1, "part that overlaps another was", "parts that overlap were") + " united.", unions + 1));

@@ -46,6 +46,16 @@ std::vector<std::int32_t> weldExact(const Points& points, const std::vector<char
     return standsFor;
 }
 
+std::vector<std::int32_t> samePlaces(const Points& points, const Points& others) {
+    Points both(others.rows() + points.rows(), 3);
+    both << others, points;
+    const std::vector<std::int32_t> standsFor = weldExact(both, std::vector<char>(static_cast<std::size_t>(both.rows()), 1), {});
+    std::vector<std::int32_t> same(standsFor.begin() + others.rows(), standsFor.end());
+    for (std::int32_t& s : same)
+        if (s >= others.rows()) s = -1;
+    return same;
+}
+
 std::vector<std::int32_t> weldNear(const Points& points, const std::vector<char>& candidate, double tolerance) {
     const auto n = static_cast<std::size_t>(points.rows());
     std::vector<std::int32_t> standsFor(n);

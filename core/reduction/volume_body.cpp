@@ -186,8 +186,8 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
     out->mesh.mesh.vertices = grid.of(exact);
     const TetrahedronSizes wanted = sizesFor(out->mesh, detail);
     Result<TetrahedralMesh> filling = tl::make_unexpected(Error{});
-    // TetGen breaks down on some surfaces, and seldom on the same one cut a little finer: a fin of tests/data/reference was one.
-    for (const double part : {1.0, 0.85}) {
+    // TetGen breaks down on some surfaces, or leaves a flat tetrahedron, and seldom on the same one cut a little finer: a fin of tests/data/reference was one.
+    for (const double part : {1.0, 0.85, 0.7}) {
         TetrahedronSizes sizes = wanted;
         sizes.most *= part;
         for (auto& point : sizes.points) point.size *= part;

@@ -140,6 +140,87 @@ TEST_CASE("cut: the piece behind stays the element, the one in front is new, and
     CHECK(w.content() == before);
 }
 
+TEST_CASE("cut-all: many cuts are one command, whose pieces are those of the same cuts one by one") {
+    Workbench one, all;
+    for (Workbench* w : {&one, &all}) {
+        w->good({{"do", "import-character"}, {"path", "trunk"}, {"name", "worm"}});
+        w->addFace("worm body", "in", 0, -1);
+        w->addFace("worm body", "out", 12, 1);
+        w->good({{"do", "add-bone"}, {"name", "far"}, {"element", "worm body"}, {"from", {0, 0, 9}}, {"to", "worm body/out"}});
+    }
+    const double heights[] = {8.3, 3.1, 5.7};
+    const char* names[] = {"head", "middle", "chest"};
+    Json cuts = Json::array();
+    for (int c = 0; c < 3; ++c) cuts.push_back({{"plane", planeAt(heights[c])}, {"piece", names[c]}, {"name", std::string(names[c]) + " cut"}});
+    const std::string before = all.content();
+    const Json answer = all.good({{"do", "cut-all"}, {"element", "worm"}, {"cuts", cuts}});
+    CHECK(answer["refused"].empty());
+    REQUIRE(answer["cuts"].size() == 3);
+    CHECK(answer["cuts"][0]["elements"] == Json::array({"chest", "head"}));
+    CHECK(answer["cuts"][1]["elements"] == Json::array({"worm body", "middle"}));
+    CHECK(answer["cuts"][2]["elements"] == Json::array({"middle", "chest"}));
+    // One by one from the root outward, as planes leave them in front.
+    for (const int c : {1, 2, 0}) {
+        Json line{{"do", "cut"}, {"element", c == 1 ? "worm body" : c == 2 ? "middle" : "chest"}, {"plane", planeAt(heights[c])}, {"name", std::string(names[c]) + " cut"}};
+        line["names"] = {line["element"], names[c]};
+        one.good(line);
+    }
+    for (const char* element : {"worm body", "middle", "chest", "head"}) {
+        CAPTURE(element);
+        const Element &a = elementNamed(one, element), &b = elementNamed(all, element);
+        CHECK(a.mesh->body.vertices == b.mesh->body.vertices);
+        CHECK(a.mesh->body.triangles == b.mesh->body.triangles);
+        CHECK(a.faces.size() == b.faces.size());
+    }
+    CHECK(elementNamed(all, "head").faceIndex("out") >= 0);
+    CHECK(all.good({{"do", "list"}})["bones"][0]["element"] == "head");
+    CHECK(all.good({{"do", "list"}})["joints"].size() == 3);
+    all.good({{"do", "undo"}});
+    CHECK(all.content() == before);
+}
+
+TEST_CASE("cut-all: a cut that is refused is left out and told, as long as one is made") {
+    Workbench w;
+    w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "worm"}});
+    const std::string before = w.content();
+    const auto code = [&](const Json& cuts) { return w.code({{"do", "cut-all"}, {"element", "worm"}, {"cuts", cuts}}); };
+    CHECK(code(Json::array()) == "bad-value");
+    CHECK(code({{{"plane", planeAt(30.0)}}}) == "no-section");
+    CHECK(code({{{"name", "x"}}}) == "missing-key");
+    CHECK(code({{{"plane", planeAt(3.0)}, {"names", "x"}}}) == "unknown-key");
+    CHECK(code({{{"plane", planeAt(3.0)}, {"name", "x"}}, {{"plane", planeAt(5.0)}, {"piece", "x"}}}) == "name-taken");
+    CHECK(w.content() == before);
+    const Json answer = w.good({{"do", "cut-all"}, {"element", "worm"}, {"cuts", {{{"plane", planeAt(3.1)}}, {{"plane", planeAt(30.0)}}, {{"plane", planeAt(3.15)}}, {{"plane", planeAt(7.3)}}}}});
+    CHECK(answer["cuts"][0].is_object());
+    CHECK(answer["cuts"][1].is_null());
+    CHECK(answer["cuts"][2].is_null());
+    CHECK(answer["cuts"][3].is_object());
+    REQUIRE(answer["refused"].size() == 2);
+    std::set<std::string> codes;
+    for (const Json& refused : answer["refused"]) codes.insert(refused["code"].get<std::string>());
+    CHECK(codes == std::set<std::string>{"no-section", "cuts-touch"});
+    CHECK(w.session.document().elements.size() == 3);
+}
+
+TEST_CASE("cut-all: parts of a body that touch nowhere fall apart where each is cut") {
+    Workbench w;
+    w.session.setCharacterImporter([](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+        TriangleMesh other = Workbench::longBar();
+        other.vertices.col(0).array() += 30.0;
+        return Workbench::characterOf({Workbench::longBar(), other}, {"left", "right"});
+    });
+    w.good({{"do", "import-character"}, {"path", "pair"}, {"name", "pair"}});
+    Json right = planeAt(5.3);
+    right["origin"][0] = 30.0;
+    const Json answer = w.good({{"do", "cut-all"}, {"element", "pair"}, {"cuts", {{{"plane", planeAt(5.3)}}, {{"plane", right}}}}});
+    CHECK(answer["refused"].empty());
+    CHECK(w.session.document().elements.size() == 4);
+    CHECK(w.good({{"do", "list"}})["joints"].size() == 2);
+    double volume = 0.0;
+    for (const auto& [id, element] : w.session.document().elements) volume += volumeOf(*element);
+    CHECK(volume == doctest::Approx(24.0).epsilon(1e-12));
+}
+
 TEST_CASE("cut: refusals say why and change nothing") {
     Workbench w;
     buildTrunk(w);
