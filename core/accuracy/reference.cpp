@@ -170,14 +170,6 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
     return out;
 }
 
-bool anyHierarchical(const std::vector<ResponseInput>& elements) {
-    return std::any_of(elements.begin(), elements.end(), [](const ResponseInput& in) {
-        if (in.faces.empty()) return false;
-        const SolvedSize size = solvedSize(in.mesh->body, in.faces, in.solverMesh);
-        return !size.volume && BoundaryProblem::hierarchical(size.nodes);
-    });
-}
-
 ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
     ResponseEstimate sum;
     for (std::size_t e = 0; e < elements.size(); ++e) {

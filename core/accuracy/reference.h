@@ -91,9 +91,6 @@ ErrorSum errorOf(const Character& frames, const std::vector<Points>& positions, 
 /// Distance of each vertex from the reference in % of the diagonal of its element; negative where it is not seen. Per element.
 std::vector<std::vector<float>> errorField(const Character& character, const Reference& reference, std::size_t which);
 
-/// Whether any of them is solved in hierarchical form.
-bool anyHierarchical(const std::vector<ResponseInput>& elements);
-
 /// The responses of all elements that have joint faces; of congruent elements only the first is solved. `seconds`: what each took, 0 without faces.
 struct SolvedElements {
     std::vector<std::shared_ptr<const ElementResponse>> responses;

@@ -13,15 +13,14 @@ using Kind = SolverMeshSetting::Kind;
 
 std::string meshName(const MeshChoice& mesh) {
     if (mesh.own) return "own meshes";
-    const std::string tail = mesh.tolerance == SolverMeshSetting::kUsualTolerance ? "" : " @ " + formatted("%g", mesh.tolerance);
     switch (mesh.kind) {
-        case Kind::AsIs: return "as-is" + tail;
-        case Kind::Refined: return "refined x " + formatted("%g", mesh.factor) + tail;
-        case Kind::Decimated: return "decimated x " + formatted("%g", mesh.factor) + tail;
-        case Kind::Default: return "default" + tail;
-        case Kind::Best: return "best" + tail;
-        case Kind::Draft: return "draft" + tail;
-        case Kind::Volume: return (mesh.factor > 0.0 ? "volume x " + formatted("%g", mesh.factor) : "volume") + tail;
+        case Kind::AsIs: return "as-is";
+        case Kind::Refined: return "refined x " + formatted("%g", mesh.factor);
+        case Kind::Decimated: return "decimated x " + formatted("%g", mesh.factor);
+        case Kind::Default: return "default";
+        case Kind::Best: return "best";
+        case Kind::Draft: return "draft";
+        case Kind::Volume: return mesh.factor > 0.0 ? "volume x " + formatted("%g", mesh.factor) : "volume";
     }
     return {};
 }
@@ -32,7 +31,7 @@ SolverMeshSetting MeshChoice::on(int vertices, const SolverMeshSetting& given) c
     if (own) return given;
     const bool counted = kind == Kind::Refined || kind == Kind::Decimated || (kind == Kind::Volume && factor > 0.0);
     const double count = std::clamp(std::round(factor * vertices), double{SolverMeshSetting::kFewest}, double{SolverMeshSetting::kMax});
-    return {kind, counted ? static_cast<int>(count) : 0, tolerance};
+    return {kind, counted ? static_cast<int>(count) : 0};
 }
 
 std::string settingName(const AccuracySetting& s) {
@@ -41,7 +40,7 @@ std::string settingName(const AccuracySetting& s) {
     return basisName(s.basis) + (s.smoothJoints ? " + smooth joints" : "") + tail;
 }
 
-std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical) {
+std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present) {
     std::vector<AccuracySetting> out = {present};
     const auto add = [&](const AccuracySetting s) {  // a copy: `out` grows
         if (std::find(out.begin(), out.end(), s) == out.end()) out.push_back(s);
@@ -77,13 +76,6 @@ std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, con
     add(basis(some, true, {false, Kind::Volume, 0.0}));
     add(basis(some, true, {false, Kind::Best, 0.0}));
     add(basis(most, true, {false, Kind::Best, 0.0}));
-    for (AccuracySetting setting : {present, basis(some, true, {false, Kind::Best, 0.0})}) {
-        if (std::find(hierarchical.begin(), hierarchical.end(), setting.mesh) == hierarchical.end()) continue;
-        for (const double tolerance : {1e-3, 1e-6}) {
-            setting.mesh.tolerance = tolerance;
-            add(setting);
-        }
-    }
     return out;
 }
 

@@ -15,7 +15,6 @@ struct MeshChoice {
     bool own = false;    ///< each element the one that the document gives it
     SolverMeshSetting::Kind kind = SolverMeshSetting::Kind::Default;
     double factor = 0.0; ///< of Refined, Decimated and, where it is not 0, Volume: its vertices in those of the body
-    double tolerance = SolverMeshSetting::kUsualTolerance;
     /// For an element of so many vertices; `given`: what the document gives it.
     [[nodiscard]] SolverMeshSetting on(int vertices, const SolverMeshSetting& given) const;
     bool operator==(const MeshChoice&) const = default;
@@ -34,8 +33,8 @@ struct AccuracySetting {
 /// For people and as a key of stored figures: "modes:12 + smooth joints, solved on default, float".
 std::string settingName(const AccuracySetting& setting);
 
-/// The settings that a study measures, cheap ones that differ much first, `present` before all: bases with and without smooth joints, solver meshes, number formats; and tolerances, on
-/// the present mesh and the best one, where they are among the `hierarchical` ones, which alone take notice of them.
-std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present, const std::vector<MeshChoice>& hierarchical = {});
+/// The settings that a study measures, cheap ones that differ much first, `present` before all: bases with and without smooth joints, solver meshes, number
+/// formats.
+std::vector<AccuracySetting> studiedSettings(const AccuracySetting& present);
 
 }  // namespace imomushi

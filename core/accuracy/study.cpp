@@ -88,8 +88,6 @@ AccuracyStudy knownStudy(const StudyInput& input) {
         point.setting = setting;
         points.push_back(std::move(point));
     }
-    for (const auto& known : study.points)  // which meshes have a choice of tolerances is found out by the study itself
-        if (known.setting.mesh.tolerance != SolverMeshSetting::kUsualTolerance && known.setting.mesh.tolerance != input.present.mesh.tolerance) points.push_back(known);
     study.points = std::move(points);
     study.complete = std::all_of(study.points.begin(), study.points.end(), [](const AccuracyPoint& p) { return p.measured() || p.problem; });
     study.markDominated();

@@ -37,7 +37,6 @@ Json settingJson(const AccuracySetting& s) {
             json["solver_mesh"] = s.mesh.kind == SolverMeshSetting::Kind::Refined ? "refined" : "decimated";
             json["solver_mesh_factor"] = s.mesh.factor;
         }
-        json["tolerance"] = s.mesh.tolerance;
     }
     return json;
 }
@@ -53,7 +52,6 @@ std::optional<AccuracySetting> settingFromJson(const Json& json) {
     s.smoothJoints = flag(json, "smooth_joints");
     s.mesh.own = flag(json, "own_meshes");
     if (s.mesh.own) return s;
-    s.mesh.tolerance = number(json, "tolerance");
     const std::string mesh = text(json, "solver_mesh");
     if (mesh == "refined" || mesh == "decimated") {
         s.mesh.kind = mesh == "refined" ? SolverMeshSetting::Kind::Refined : SolverMeshSetting::Kind::Decimated;

@@ -56,17 +56,6 @@ CharacterInput characterAs(const StudyInput& input, const AccuracySetting& setti
     return out;
 }
 
-/// Solver meshes, among those that a study tries, for which some element is solved in hierarchical form.
-std::vector<MeshChoice> hierarchicalMeshes(const StudyInput& input) {
-    std::vector<MeshChoice> out, seen;
-    for (const AccuracySetting& setting : studiedSettings(input.present)) {
-        if (setting.previous || std::find(seen.begin(), seen.end(), setting.mesh) != seen.end()) continue;
-        seen.push_back(setting.mesh);
-        if (!setting.mesh.own && anyHierarchical(solvedAs(input, setting))) out.push_back(setting.mesh);
-    }
-    return out;
-}
-
 /// Runs a study: what its steps share.
 class Runner {
 public:
@@ -74,7 +63,7 @@ public:
         : input_(input), listener_(listener), progress_(progress), store_(input.store, studyKey(input)), start_(Clock::now()) {
         study_ = knownStudy(input);
         spentBefore_ = study_.seconds;
-        for (const AccuracySetting& setting : studiedSettings(input.present, hierarchicalMeshes(input)))
+        for (const AccuracySetting& setting : studiedSettings(input.present))
             if (std::none_of(study_.points.begin(), study_.points.end(), [&](const AccuracyPoint& p) { return p.setting == setting; })) study_.points.emplace_back().setting = setting;
     }
 

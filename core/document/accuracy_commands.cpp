@@ -178,12 +178,11 @@ AccuracySetting presentSetting(const Document& document) {
     for (const auto& [id, element] : document.elements) {
         if (element->faces.empty()) continue;
         const SolverMeshSetting& mesh = element->solverMesh;
-        if (mesh.count > 0 || (!first && (mesh.kind != out.mesh.kind || mesh.tolerance != out.mesh.tolerance))) {
+        if (mesh.count > 0 || (!first && mesh.kind != out.mesh.kind)) {
             out.mesh = {true, SolverMeshSetting::Kind::Default, 0.0};
             break;
         }
         out.mesh.kind = mesh.kind;
-        out.mesh.tolerance = mesh.tolerance;
         first = false;
     }
     return out;

@@ -45,7 +45,6 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
     points_.resize(freeCount_ + bubbleCount_ + heldCount_, 3);
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) points_.row(nodeOf[static_cast<std::size_t>(v)]) = mesh_.vertices.row(v);
 
-    // Triangles, and those around each node.
     inPatch_.assign(triangleCount, 0);
     for (const HeldPatch& patch : held)
         for (const std::int32_t f : patch.triangles) inPatch_[static_cast<std::size_t>(f)] = 1;
@@ -62,28 +61,40 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
             points_.row(freeCount_ + b) = 0.5 * (mesh_.vertices.row(from) + mesh_.vertices.row(to));
         }
     }
-    cornerNode_.resize(triangleCount);
-    bubbleNode_.resize(triangleCount);
-    around_.assign(static_cast<std::size_t>(nodes()) + 1, 0);
-    const auto eachNode = [&](std::size_t f, const auto& visit) {
-        for (std::size_t c = 0; c < 3; ++c) {
-            visit(cornerNode_[f][c]);
-            if (bubbleNode_[f][c] >= 0) visit(bubbleNode_[f][c]);
-        }
-    };
+
+    // One batch per kind of columns that its triangles add to.
+    const std::int32_t firstHeld = freeCount_ + bubbleCount_;
+    std::vector<std::int32_t> plain, curved, heldTriangles;
+    TriangleBatch::Columns plainColumns, curvedColumns, heldColumns;
+    std::vector<std::array<std::int32_t, 3>> cornerNode(triangleCount);
     for (std::size_t f = 0; f < triangleCount; ++f) {
-        for (int c = 0; c < 3; ++c) {
-            const auto k = static_cast<std::size_t>(c);
-            cornerNode_[f][k] = nodeOf[static_cast<std::size_t>(mesh.triangles(static_cast<Eigen::Index>(f), c))];
-            bubbleNode_[f][k] = bubbleOf[static_cast<std::size_t>(edges.edgeOf(static_cast<std::int32_t>(f), c))];
+        std::array<std::int32_t, 3> bubble{}, traction{};
+        bool bends = false;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::int32_t node = nodeOf[static_cast<std::size_t>(mesh.triangles(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(c)))];
+            const std::int32_t b = bubbleOf[static_cast<std::size_t>(edges.edgeOf(static_cast<std::int32_t>(f), static_cast<int>(c)))];
+            cornerNode[f][c] = node;
+            traction[c] = std::max(0, node - firstHeld);
+            bubble[c] = b >= 0 ? b : nodes();  // the column without meaning
+            bends |= b >= 0;
         }
-        eachNode(f, [&](std::int32_t node) { ++around_[static_cast<std::size_t>(node) + 1]; });
+        const auto triangle = static_cast<std::int32_t>(f);
+        if (inPatch_[f]) {
+            heldTriangles.push_back(triangle);
+            heldColumns.corner.push_back(cornerNode[f]);
+            heldColumns.traction.push_back(traction);
+        } else if (bends) {
+            curved.push_back(triangle);
+            curvedColumns.corner.push_back(cornerNode[f]);
+            curvedColumns.bubble.push_back(bubble);
+        } else {
+            plain.push_back(triangle);
+            plainColumns.corner.push_back(cornerNode[f]);
+        }
     }
-    for (std::size_t i = 1; i < around_.size(); ++i) around_[i] += around_[i - 1];
-    triangles_.resize(around_.back());
-    std::vector<std::size_t> next(around_.begin(), around_.end() - 1);
-    for (std::size_t f = 0; f < triangleCount; ++f)
-        eachNode(f, [&](std::int32_t node) { triangles_[next[static_cast<std::size_t>(node)]++] = static_cast<std::int32_t>(f); });
+    plain_ = TriangleBatch(mesh_, plain, plainColumns);
+    curved_ = TriangleBatch(mesh_, curved, curvedColumns);
+    held_ = TriangleBatch(mesh_, heldTriangles, heldColumns);
 
     // Minus the sum of D_a over the whole surface / (4 pi), but found from the triangles around a node alone.
     freeTerm_.resize(static_cast<std::size_t>(nodes()));
@@ -95,77 +106,18 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
 
     // Traction columns are scaled to the size of H: by what a vertex's traction does to the vertex itself, however thin the triangles around.
     columnScale_.assign(static_cast<std::size_t>(heldCount_), 0.0);
-    const std::int32_t firstHeld = freeCount_ + bubbleCount_;
     for (std::size_t f = 0; f < triangleCount; ++f) {
         if (!inPatch_[f]) continue;
         std::array<Vec3, 3> p;
-        for (std::size_t c = 0; c < 3; ++c) p[c] = points_.row(cornerNode_[f][c]).transpose();
-        for (std::size_t c = 0; c < 3; ++c) columnScale_[static_cast<std::size_t>(cornerNode_[f][c] - firstHeld)] += pairBlocks(p[c], p, nu).g[c].trace() / 3.0;
+        for (std::size_t c = 0; c < 3; ++c) p[c] = points_.row(cornerNode[f][c]).transpose();
+        for (std::size_t c = 0; c < 3; ++c) columnScale_[static_cast<std::size_t>(cornerNode[f][c] - firstHeld)] += pairBlocks(p[c], p, nu).g[c].trace() / 3.0;
     }
     for (double& scale : columnScale_) scale = 0.5 / scale;
-
-    std::vector<std::int32_t> every(static_cast<std::size_t>(nodes()));
-    for (std::int32_t i = 0; i < nodes(); ++i) every[static_cast<std::size_t>(i)] = i;
-    all_ = gather(every, Wanted::Displacements);
 }
 
 std::int32_t BoundaryEquation::vertexOf(std::int32_t node) const {
     if (bubble(node)) return vertexOf(ends_[static_cast<std::size_t>(node - freeCount_)][0]);
     return node < freeCount_ ? freeVertices_[static_cast<std::size_t>(node)] : heldVertices_[static_cast<std::size_t>(node - freeCount_ - bubbleCount_)];
-}
-
-std::span<const std::int32_t> BoundaryEquation::trianglesOf(std::int32_t node) const {
-    const auto i = static_cast<std::size_t>(node);
-    return std::span(triangles_).subspan(around_[i], around_[i + 1] - around_[i]);
-}
-
-BoundaryEquation::Gathered BoundaryEquation::gather(std::span<const std::int32_t> columnNodes, Wanted wanted) const {
-    // A column for every node. Each thread keeps its own: clearing it would cost more than a small set of columns.
-    thread_local std::vector<std::int32_t> column, which;
-    const auto ignored = static_cast<std::int32_t>(columnNodes.size());
-    if (column.size() < static_cast<std::size_t>(points_.rows())) column.resize(static_cast<std::size_t>(points_.rows()));
-    which.clear();
-    for (const std::int32_t node : columnNodes)
-        for (const std::int32_t f : trianglesOf(node))
-            // The tractions of held vertices live on their patch only, the displacements on all triangles around.
-            if (wanted == Wanted::Displacements || node < freeCount_ + bubbleCount_ || inPatch_[static_cast<std::size_t>(f)]) which.push_back(f);
-    std::sort(which.begin(), which.end());
-    which.erase(std::unique(which.begin(), which.end()), which.end());
-    for (const std::int32_t f : which)
-        for (std::size_t c = 0; c < 3; ++c) {
-            column[static_cast<std::size_t>(cornerNode_[static_cast<std::size_t>(f)][c])] = ignored;
-            if (const std::int32_t b = bubbleNode_[static_cast<std::size_t>(f)][c]; b >= 0) column[static_cast<std::size_t>(b)] = ignored;
-        }
-    for (std::int32_t i = 0; i < ignored; ++i) column[static_cast<std::size_t>(columnNodes[static_cast<std::size_t>(i)])] = i;
-
-    // One batch per kind of columns that its triangles add to.
-    std::vector<std::int32_t> plain, curved, held;
-    TriangleBatch::Columns plainColumns, curvedColumns, heldColumns;
-    for (const std::int32_t f : which) {
-        const auto& nodes = cornerNode_[static_cast<std::size_t>(f)];
-        const auto& bubbles = bubbleNode_[static_cast<std::size_t>(f)];
-        std::array<std::int32_t, 3> corner{}, bubble{}, traction{};
-        bool bends = false;
-        for (std::size_t c = 0; c < 3; ++c) {
-            corner[c] = traction[c] = column[static_cast<std::size_t>(nodes[c])];
-            if (wanted == Wanted::Displacements) traction[c] = std::max(0, nodes[c] - freeCount_ - bubbleCount_);
-            bubble[c] = bubbles[c] >= 0 ? column[static_cast<std::size_t>(bubbles[c])] : ignored;
-            bends |= bubble[c] != ignored;
-        }
-        if (inPatch_[static_cast<std::size_t>(f)]) {
-            held.push_back(f);
-            heldColumns.corner.push_back(corner);
-            heldColumns.traction.push_back(traction);
-        } else if (bends) {
-            curved.push_back(f);
-            curvedColumns.corner.push_back(corner);
-            curvedColumns.bubble.push_back(bubble);
-        } else {
-            plain.push_back(f);
-            plainColumns.corner.push_back(corner);
-        }
-    }
-    return {TriangleBatch(mesh_, plain, plainColumns), TriangleBatch(mesh_, curved, curvedColumns), TriangleBatch(mesh_, held, heldColumns)};
 }
 
 void BoundaryEquation::addFreeTerm(std::int32_t node, double freeTerm, double* h) const {
@@ -181,9 +133,9 @@ double BoundaryEquation::row(std::int32_t node, double* h, double* g) const {
     std::fill_n(h, 9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);
     std::fill_n(g, 9 * static_cast<std::size_t>(heldCount_), 0.0);
     const Vec3 x = position(node);
-    double sumD = addBlocks(all_.plain, x, nu_, h, nullptr);
-    sumD += addBlocks(all_.curved, x, nu_, h, nullptr);
-    sumD += addBlocks(all_.held, x, nu_, h, g);
+    double sumD = addBlocks(plain_, x, nu_, h, nullptr);
+    sumD += addBlocks(curved_, x, nu_, h, nullptr);
+    sumD += addBlocks(held_, x, nu_, h, g);
     // From the sum over the surface rather than from the triangles around: a rigid translation is then exact.
     const double freeTerm = -sumD / (4.0 * std::numbers::pi);
     addFreeTerm(node, freeTerm, h);
@@ -192,43 +144,13 @@ double BoundaryEquation::row(std::int32_t node, double* h, double* g) const {
     return freeTerm;
 }
 
-Eigen::MatrixXd BoundaryEquation::rightHandSides(const Eigen::MatrixXd& held, int threads, const Progress& progress) const {
-    std::vector<std::int32_t> heldNodes(static_cast<std::size_t>(heldCount_));
-    for (std::int32_t j = 0; j < heldCount_; ++j) heldNodes[static_cast<std::size_t>(j)] = freeCount_ + bubbleCount_ + j;
-    const Gathered columns = gather(heldNodes, Wanted::Displacements);
-    Eigen::MatrixXd out(3 * nodes(), held.cols());
-    parallelFor(threads, static_cast<std::size_t>(nodes()), kNodeGrain, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
-        std::vector<double> h;
-        Eigen::MatrixXd row(3, held.rows());
-        for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
-            h.assign(9 * (static_cast<std::size_t>(heldCount_) + 1), 0.0);
-            for (const TriangleBatch* batch : {&columns.plain, &columns.curved, &columns.held})
-                addBlocks(*batch, position(node), nu_, h.data(), nullptr);
-            const auto addIfHeld = [&](std::int32_t at, double value) {
-                const std::ptrdiff_t j = at - freeCount_ - bubbleCount_;
-                for (std::ptrdiff_t k = 0; k < 3 && j >= 0; ++k) h[static_cast<std::size_t>(9 * j + 4 * k)] += value;
-            };
-            const double freeTerm = freeTerm_[static_cast<std::size_t>(node)];
-            addIfHeld(node, freeTerm);
-            if (bubble(node))
-                for (const std::int32_t e : ends_[static_cast<std::size_t>(node - freeCount_)]) addIfHeld(e, 0.5 * freeTerm);
-            for (Eigen::Index j = 0; j < heldCount_; ++j)
-                for (Eigen::Index k = 0; k < 3; ++k)
-                    for (Eigen::Index l = 0; l < 3; ++l) row(k, 3 * j + l) = -h[static_cast<std::size_t>(9 * j + 3 * k + l)];
-            out.middleRows(3 * node, 3).noalias() = row * held;
-        }
-    });
-    return out;
-}
-
 Eigen::MatrixXd BoundaryEquation::loads(int threads, const Progress& progress) const {
     Eigen::MatrixXd out(3 * nodes(), kLoads);
     parallelFor(threads, static_cast<std::size_t>(nodes()), kNodeGrain, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         for (auto node = static_cast<std::int32_t>(begin); node < static_cast<std::int32_t>(end); ++node) {
-            const LoadBlocks plain = sumLoads(all_.plain, position(node), nu_), curved = sumLoads(all_.curved, position(node), nu_),
-                             held = sumLoads(all_.held, position(node), nu_);
+            const LoadBlocks plain = sumLoads(plain_, position(node), nu_), curved = sumLoads(curved_, position(node), nu_),
+                             held = sumLoads(held_, position(node), nu_);
             out.block<3, 3>(3 * node, 0) = size_ * size_ * (plain.force + curved.force + held.force);
             out.block<3, 1>(3 * node, 3) = size_ * (plain.pressure + curved.pressure);
         }
@@ -288,71 +210,6 @@ Eigen::MatrixXd BoundaryEquation::tractionLoads(const Eigen::MatrixXd& sizes, in
         }
     });
     return out;
-}
-
-double BoundaryEquation::surfaceSolidAngle(std::int32_t node) const {
-    thread_local std::vector<double> unread;
-    unread.assign(9 * (static_cast<std::size_t>(nodes()) + 1), 0.0);
-    double sumD = 0.0;
-    for (const TriangleBatch* batch : {&all_.plain, &all_.curved, &all_.held}) sumD += addBlocks(*batch, position(node), nu_, unread.data(), nullptr);
-    return -sumD / (4.0 * std::numbers::pi);
-}
-
-Box BoundaryEquation::support(std::int32_t node) const {
-    Box box{position(node), position(node)};
-    for (const std::int32_t f : trianglesOf(node))
-        for (int c = 0; c < 3; ++c) {
-            const Vec3 p = mesh_.vertices.row(mesh_.triangles(f, c)).transpose();
-            box.low = box.low.cwiseMin(p);
-            box.high = box.high.cwiseMax(p);
-        }
-    return box;
-}
-
-class BoundaryEquation::SomeColumns final : public Columns {
-public:
-    SomeColumns(const BoundaryEquation& equation, std::span<const std::int32_t> nodes)
-        : equation_(equation), nodes_(nodes.begin(), nodes.end()), gathered_(equation.gather(nodes, Wanted::Unknowns)) {}
-
-    void rows(std::span<const std::int32_t> rowNodes, double* out) const override {
-        thread_local std::vector<double> h, g;
-        const std::size_t ld = 3 * rowNodes.size();
-        const std::int32_t firstHeld = equation_.freeCount_ + equation_.bubbleCount_;
-        for (std::size_t r = 0; r < rowNodes.size(); ++r) {
-            const std::int32_t node = rowNodes[r];
-            const Vec3 x = equation_.position(node);
-            h.assign(9 * (nodes_.size() + 1), 0.0);
-            g.assign(9 * (nodes_.size() + 1), 0.0);
-            for (const TriangleBatch* batch : {&gathered_.plain, &gathered_.curved}) addBlocks(*batch, x, equation_.nu_, h.data(), nullptr);
-            addBlocks(gathered_.held, x, equation_.nu_, h.data(), g.data());
-            const double freeTerm = equation_.freeTerm_[static_cast<std::size_t>(node)];
-            for (std::size_t i = 0; i < nodes_.size(); ++i) {
-                const std::int32_t column = nodes_[i];
-                const bool held = column >= firstHeld;
-                const double factor = held ? -equation_.columnScale_[static_cast<std::size_t>(column - firstHeld)] : 1.0;
-                const double* block = (held ? g : h).data() + 9 * i;
-                double* to = out + 3 * i * ld + 3 * r;
-                for (std::size_t k = 0; k < 3; ++k)
-                    for (std::size_t l = 0; l < 3; ++l) to[l * ld + k] = factor * block[3 * k + l];
-                double share = 0.0;
-                if (column == node && !held) share = freeTerm;
-                if (equation_.bubble(node))
-                    for (const std::int32_t end : equation_.ends_[static_cast<std::size_t>(node - equation_.freeCount_)])
-                        if (end == column && !held) share += 0.5 * freeTerm;
-                if (share != 0.0)
-                    for (std::size_t k = 0; k < 3; ++k) to[k * ld + k] += share;
-            }
-        }
-    }
-
-private:
-    const BoundaryEquation& equation_;
-    std::vector<std::int32_t> nodes_;
-    Gathered gathered_;
-};
-
-std::unique_ptr<BlockSource::Columns> BoundaryEquation::columns(std::span<const std::int32_t> columnNodes) const {
-    return std::make_unique<SomeColumns>(*this, columnNodes);
 }
 
 }  // namespace imomushi

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/elasticity/block_source.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/mesh.h"
 
@@ -26,12 +25,12 @@ struct HeldPatch {
 /// Nodes, three unknowns each: the displacement of every free vertex; how far the middle of an edge leaves the straight line between
 /// its ends, for every bubble; the scaled traction of every held vertex.
 /// Lengths are in units of the body's size, so that entries are of order one whatever the body's unit and place.
-class BoundaryEquation final : public BlockSource {
+class BoundaryEquation {
 public:
     /// `mesh`: closed, outward, without degenerate triangles. `bubbles`: vertices of edges, each edge once, of which no triangle is held.
     BoundaryEquation(const TriangleMesh& mesh, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles, double nu);
 
-    [[nodiscard]] std::int32_t nodes() const override { return static_cast<std::int32_t>(points_.rows()); }
+    [[nodiscard]] std::int32_t nodes() const { return static_cast<std::int32_t>(points_.rows()); }
     [[nodiscard]] std::int32_t freeCount() const { return freeCount_; }      ///< nodes 0...
     [[nodiscard]] std::int32_t bubbleCount() const { return bubbleCount_; }  ///< nodes freeCount()...
     [[nodiscard]] std::int32_t heldCount() const { return heldCount_; }      ///< the last nodes, patch by patch
@@ -48,14 +47,8 @@ public:
     /// held vertices for their displacement, and one more without meaning; g (9 heldCount()) those of A for the tractions. Returns the free term.
     double row(std::int32_t node, double* h, double* g) const;
 
-    /// The same as localSolidAngle(), from all triangles.
-    [[nodiscard]] double surfaceSolidAngle(std::int32_t node) const;
     [[nodiscard]] std::int32_t vertices() const { return static_cast<std::int32_t>(mesh_.vertices.rows()); }
     [[nodiscard]] std::int32_t triangles() const { return static_cast<std::int32_t>(mesh_.triangles.rows()); }
-
-    /// -H_J u_J: 3 nodes() x k for the displacements of the held vertices, 3 heldCount() x k. The same bytes for any number of threads. Unfinished
-    /// when cancelled.
-    [[nodiscard]] Eigen::MatrixXd rightHandSides(const Eigen::MatrixXd& held, int threads, const Progress& progress) const;
 
     /// What loads add to the right side with the held vertices at rest: 3 nodes() x kLoads. Columns 0 1 2: a uniform force per volume along x, y, z
     /// over the shear modulus (1/m); 3: a pressure over the shear modulus that pushes all triangles outwards but those held (for a body inflated from
@@ -68,19 +61,9 @@ public:
     /// vertices that carry any. The same bytes for any number of threads. Unfinished when cancelled.
     [[nodiscard]] Eigen::MatrixXd tractionLoads(const Eigen::MatrixXd& sizes, int threads, const Progress& progress) const;
 
-    [[nodiscard]] Vec3 position(std::int32_t node) const override { return points_.row(node).transpose(); }
-    [[nodiscard]] Box support(std::int32_t node) const override;
-    [[nodiscard]] std::unique_ptr<Columns> columns(std::span<const std::int32_t> columnNodes) const override;
+    [[nodiscard]] Vec3 position(std::int32_t node) const { return points_.row(node).transpose(); }
 
 private:
-    class SomeColumns;
-    enum class Wanted { Displacements, Unknowns };
-    /// The blocks of some columns: of H for all of them, or of A.
-    struct Gathered {
-        TriangleBatch plain, curved, held;
-    };
-    [[nodiscard]] Gathered gather(std::span<const std::int32_t> columnNodes, Wanted wanted) const;
-    [[nodiscard]] std::span<const std::int32_t> trianglesOf(std::int32_t node) const;
     [[nodiscard]] bool bubble(std::int32_t node) const { return node >= freeCount_ && node < freeCount_ + bubbleCount_; }
     void addFreeTerm(std::int32_t node, double freeTerm, double* h) const;
 
@@ -92,11 +75,8 @@ private:
     Points points_;                                  ///< nodes() x 3
     std::vector<double> freeTerm_;                   ///< per node, from the triangles around it
     std::vector<double> columnScale_;                ///< per held vertex: times this is of order one
-    std::vector<std::array<std::int32_t, 3>> cornerNode_, bubbleNode_;  ///< per triangle; -1: no bubble
-    std::vector<char> inPatch_;                                         ///< per triangle
-    std::vector<std::size_t> around_;                                   ///< where each node's triangles begin in triangles_
-    std::vector<std::int32_t> triangles_;
-    Gathered all_;
+    std::vector<char> inPatch_;                      ///< per triangle
+    TriangleBatch plain_, curved_, held_;            ///< triangles without and with bubbles, and those of held patches
 };
 
 }  // namespace imomushi

@@ -16,7 +16,6 @@
 #include "core/base/parallel.h"
 #include "core/elasticity/boundary_input.h"
 #include "core/elasticity/dense_lu.h"
-#include "core/elasticity/hierarchical_solver.h"
 #include "core/elasticity/kernels.h"
 #include "core/elasticity/machine_rates.h"
 
@@ -38,17 +37,6 @@ constexpr int kMaxRefinements = 20;
 constexpr double kResidualLimit = 1e-6;
 /// With a smaller reciprocal condition number the matrix is singular to single precision.
 constexpr double kSingularRcond = 1e-9;
-constexpr const char* kInaccurate = "inaccurate";
-
-/// Up to this many nodes a dense matrix is faster than a hierarchical one.
-constexpr std::int32_t kDenseNodes = 5000;
-/// Up to this many (30 GB) the whole matrix is factorised where the preconditioner of a hierarchical one does not do.
-constexpr std::int32_t kDenseInsteadNodes = 20'000;
-/// About so many nodes are checked for the solid angle of the whole surface.
-constexpr std::int32_t kCheckedNodes = 1000;
-/// A hierarchical solution of kMeasuredNodes nodes and twelve columns, one thread (bench_hierarchical_solver): the time in pairs of a point and a triangle, the
-/// memory in bytes; and how both grow with the nodes.
-constexpr double kMeasuredNodes = 7586.0, kMeasuredPairs = 7.5e8, kMeasuredBytes = 6.5e8, kTimeExponent = 1.66, kMemoryExponent = 1.18;
 
 std::string gigabytes(std::size_t bytes) {
     const auto tenths = static_cast<long>(std::lround(static_cast<double>(bytes) / 1e8));
@@ -78,14 +66,12 @@ constexpr double kUsualHeldShare = 0.15;
 }  // namespace
 
 struct BoundaryProblem::State {
-    std::shared_ptr<const BoundaryEquation> equation;
-    std::optional<HierarchicalSolver> hierarchical;  ///< where the matrix is too large to be dense; the four below are empty then
+    std::unique_ptr<const BoundaryEquation> equation;
     std::size_t ld = 0;
     LargeArray<double> matrix;   ///< A by rows, n x n, n = 3 nodes
     LargeArray<double> heldH;    ///< H_J by rows, n x 3 held
     DenseLu lu;                  ///< of A^T: A by rows is A^T by columns
     int threads = 1;
-    double tolerance = 0.0;      ///< see Input
     bool unheld = false;         ///< nothing holds a part of the body; reported after faults of the surface itself
     SolveQuality quality;
 
@@ -96,11 +82,8 @@ struct BoundaryProblem::State {
     }
     [[nodiscard]] Result<void> checkShare(std::int32_t node, double share) const;
     Result<double> assemble(const Progress& progress);
-    Result<void> buildDense(const Progress& progress);
-    Result<void> buildHierarchical(const Progress& progress);
-    void putLoads(const Loads& loads, const Progress& progress, Eigen::Ref<Eigen::MatrixXd> to) const;
-    Result<Eigen::MatrixXd> solveDense(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
-    Result<Eigen::MatrixXd> solveHierarchical(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
+    Result<void> build(const Progress& progress);
+    Result<Eigen::MatrixXd> solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
 };
 
 /// Compares the solid angle by the whole surface with that by the triangles around the node.
@@ -160,8 +143,6 @@ Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
     return norm;
 }
 
-bool BoundaryProblem::hierarchical(int nodes) { return nodes > kDenseNodes; }
-
 Result<void> BoundaryProblem::check(const Input& input) {
     if (auto patches = patchOfVertices(input); !patches) return tl::make_unexpected(patches.error());
     return {};
@@ -173,15 +154,13 @@ Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progres
     const TriangleMesh& mesh = *input.mesh;
     auto state = std::make_unique<State>();
     state->threads = std::max(1, input.threads);
-    state->tolerance = std::clamp(input.tolerance, 1e-6, 1e-2);
-    state->equation = std::make_shared<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
+    state->equation = std::make_unique<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
     state->unheld = hasUnheldPart(mesh, *patchOf);
-    // By the input alone, whatever memory there is: the same input has the same bytes, or fails.
-    if (auto ok = !hierarchical(state->equation->nodes()) ? state->buildDense(progress) : state->buildHierarchical(progress); !ok) return tl::make_unexpected(ok.error());
+    if (auto ok = state->build(progress); !ok) return tl::make_unexpected(ok.error());
     return BoundaryProblem(std::move(state));
 }
 
-Result<void> BoundaryProblem::State::buildDense(const Progress& progress) {
+Result<void> BoundaryProblem::State::build(const Progress& progress) {
     const std::string noMemory = "Solving " + std::to_string(equation->nodes()) + " nodes needs " + gigabytes(denseBytes()) +
                                  " of memory, more than there is; use a coarser mesh or close other programs.";
     if (denseBytes() > availableMemory()) return fail("no-memory", noMemory);
@@ -217,34 +196,6 @@ Result<void> BoundaryProblem::State::buildDense(const Progress& progress) {
     return {};
 }
 
-Result<void> BoundaryProblem::State::buildHierarchical(const Progress& progress) {
-    // The whole surface is seen from some nodes only: from all it would take longer than the assembly.
-    const std::int32_t stride = std::max(1, equation->nodes() / kCheckedNodes);
-    std::vector<std::int32_t> nodes;
-    for (std::int32_t node = 0; node < equation->nodes(); node += stride) nodes.push_back(node);
-    std::vector<double> share(nodes.size());
-    parallelFor(threads, nodes.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) share[i] = equation->surfaceSolidAngle(nodes[i]);
-    });
-    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-        if (auto ok = checkShare(nodes[i], share[i]); !ok) return ok;
-    if (unheld) return fail("singular", kNoUniqueAnswer);
-    HierarchicalSolver::Options options;
-    options.threads = threads;
-    options.tolerance *= tolerance / Input().tolerance;  // the nearer the matrix, the faster refinement gains
-    options.memoryLimit = availableMemory();
-    auto built = HierarchicalSolver::build(equation, options, progress);
-    if (!built) return tl::make_unexpected(built.error());
-    hierarchical.emplace(std::move(*built));
-    const HierarchicalSolver::Quality& q = hierarchical->quality();
-    quality.hierarchical = true;
-    quality.assembleSeconds = q.assembleSeconds;
-    quality.factoriseSeconds = q.factoriseSeconds;
-    quality.peakBytes = q.matrixBytes + q.factorBytes;
-    return {};
-}
-
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     State& s = *state_;
     if (held.rows() != 3 * s.equation->heldCount()) return fail("bad-value", "The displacements do not match the held vertices.");
@@ -252,14 +203,7 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
     if (loads.tractions && (loads.tractions->rows() != s.equation->vertices() || !allFinite(*loads.tractions)))
         return fail("bad-value", "The tractions do not match the vertices, or are not finite.");
     const auto start = Clock::now();
-    auto x = s.hierarchical ? s.solveHierarchical(held, loads, progress) : s.solveDense(held, loads, progress);
-    if (!x && x.error().code == kInaccurate && s.hierarchical && s.equation->nodes() <= kDenseInsteadNodes) {
-        // What a coarse preconditioner cannot solve, factors of the whole matrix may.
-        s.hierarchical.reset();
-        s.quality.hierarchical = false;
-        if (auto ok = s.buildDense(progress); !ok) return tl::make_unexpected(ok.error());
-        x = s.solveDense(held, loads, progress);
-    }
+    auto x = s.solve(held, loads, progress);
     s.quality.solveSeconds += secondsSince(start);
     if (!x) return tl::make_unexpected(x.error());
     Solution solution;
@@ -272,26 +216,7 @@ Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& 
 
 Result<BoundaryProblem::Solution> BoundaryProblem::solve(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, Loads{}, progress); }
 
-void BoundaryProblem::State::putLoads(const Loads& loads, const Progress& progress, Eigen::Ref<Eigen::MatrixXd> to) const {
-    if (loads.body) to.leftCols(BoundaryEquation::kLoads) = equation->loads(threads, progress);
-    if (loads.tractions) to.rightCols(3 * loads.tractions->cols()) = equation->tractionLoads(*loads.tractions, threads, progress);
-}
-
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveHierarchical(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
-    Eigen::MatrixXd x = equation->rightHandSides(held, threads, progress);
-    if (loads.columns() > 0) {
-        x.conservativeResize(Eigen::NoChange, held.cols() + loads.columns());
-        putLoads(loads, progress, x.rightCols(loads.columns()));
-    }
-    if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
-    if (auto ok = hierarchical->solve(x, tolerance, progress); !ok) return tl::make_unexpected(ok.error());
-    const HierarchicalSolver::Quality& q = hierarchical->quality();
-    quality.residual = std::max(quality.residual, q.residual);
-    quality.peakBytes = std::max(quality.peakBytes, q.matrixBytes + q.factorBytes + q.solveBytes);
-    return x;
-}
-
-Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
+Result<Eigen::MatrixXd> BoundaryProblem::State::solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress) {
     const std::int32_t n = unknowns(), known = 3 * equation->heldCount();
     const auto prescribed = static_cast<std::int32_t>(held.cols());
     const auto k = static_cast<std::int32_t>(prescribed + loads.columns());
@@ -300,7 +225,8 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
     Eigen::MatrixXd right(n, k), x = Eigen::MatrixXd::Zero(n, k);
     if (!subtractProduct(heldH.data(), static_cast<std::size_t>(known), n, known, held.data(), prescribed, right.data(), true, threads, progress))
         return cancelled();
-    putLoads(loads, progress, right.rightCols(loads.columns()));
+    if (loads.body) right.middleCols<BoundaryEquation::kLoads>(prescribed) = equation->loads(threads, progress);
+    if (loads.tractions) right.rightCols(3 * loads.tractions->cols()) = equation->tractionLoads(*loads.tractions, threads, progress);
     if (progress.cancelled()) return cancelled();
     const Eigen::VectorXd rightNorm = right.colwise().norm();
 
@@ -330,7 +256,7 @@ Result<Eigen::MatrixXd> BoundaryProblem::State::solveDense(const Eigen::MatrixXd
     if (rightNorm.isZero(0.0)) worst = 0.0;
     quality.residual = std::max(quality.residual, worst);
     if (!(worst <= kResidualLimit))
-        return fail(kInaccurate, "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
+        return fail("inaccurate", "The equations of this body are too ill-conditioned to be solved accurately; repair thin spikes and nearly "
                                  "coinciding surfaces, or remesh it more evenly.");
     return x;
 }
@@ -340,13 +266,6 @@ BoundaryProblem::Estimate BoundaryProblem::estimate(int nodes, int triangles, in
     if (nodes <= 0) return out;
     const MachineRates rates = machineRates();
     const double n = 3.0 * nodes, threadCount = std::clamp(threads, 1, hardwareThreads());
-    if (nodes > kDenseNodes) {
-        const double times = nodes / kMeasuredNodes;
-        out.seconds = rates.secondsPerPair * kMeasuredPairs * std::pow(times, kTimeExponent) / threadCount;
-        if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * static_cast<double>(nodes) * triangles / threadCount;
-        out.bytes = static_cast<std::size_t>(kMeasuredBytes * std::pow(times, kMemoryExponent) + 40.0 * n * (columns + tractions));
-        return out;
-    }
     const double pairs = static_cast<double>(nodes) * triangles;
     out.seconds = (rates.secondsPerPair * kAssemblyOverhead * pairs + 2.0 / 3.0 * n * n * n / rates.flops * kFactorOverhead) / threadCount;
     if (tractions > 0) out.seconds += rates.secondsPerPair * kTractionPairs * pairs / threadCount;

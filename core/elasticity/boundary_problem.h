@@ -16,15 +16,13 @@ namespace imomushi {
 
 /// Accuracy and cost of a boundary problem.
 struct SolveQuality {
-    bool hierarchical = false;  ///< solved with a hierarchical matrix: rcond is not known then
     double residual = 0.0;  ///< largest |A x - b| / |b| over the solved columns (2-norm), after refinement; of finite elements: of one combination of them
     double rcond = 0.0;     ///< estimate of the reciprocal condition number of the scaled matrix in the maximum norm (Higham 1988, LAPACK slacn2)
     double assembleSeconds = 0.0, factoriseSeconds = 0.0, solveSeconds = 0.0;
     std::size_t peakBytes = 0;
 };
 
-/// Linear elastostatics of one closed body with unit shear modulus, see BoundaryEquation. The matrix is dense while that is fastest and fits,
-/// hierarchical beyond.
+/// Linear elastostatics of one closed body with unit shear modulus, see BoundaryEquation, with a dense matrix.
 /// Built once (assembly and factorisation), then solve() answers any number of right-hand sides.
 /// The same input gives the same bytes for any number of threads.
 class BoundaryProblem {
@@ -35,11 +33,9 @@ public:
         std::vector<std::array<std::int32_t, 2>> bubbles;  ///< edges along which the displacement is quadratic; see BoundaryEquation
         double nu = 0.45;                    ///< Poisson ratio, 0...0.5
         int threads = 1;
-        /// Of the hierarchical solver: relative residual to reach, 1e-6...1e-2. The error of 1e-5 is far below that of the discretisation.
-        double tolerance = 1e-5;
     };
-    /// Whether so many nodes are too many for a dense matrix, as long as there is memory.
-    static bool hierarchical(int nodes);
+    /// With more nodes finite elements take less time and memory.
+    static constexpr int kUsualNodes = 5000;
     /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).
     static Result<BoundaryProblem> build(const Input& input, const Progress& progress);

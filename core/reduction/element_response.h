@@ -109,7 +109,6 @@ struct ResponseEstimate {
     std::size_t bytes = 0;
     double frameMilliseconds = 0.0;
     int columns = 0;
-    bool hierarchical = false;  ///< solved with a hierarchical matrix: the tolerance of its solver mesh counts
 };
 ResponseEstimate estimateResponse(const ResponseInput& input);
 

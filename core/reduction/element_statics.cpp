@@ -21,7 +21,6 @@ BoundaryProblem::Input problemOf(const ResponseInput& input) {
     for (const JointFace& face : input.faces) problem.held.push_back({face.vertices, face.triangles});
     problem.nu = input.nu;
     problem.threads = input.threads;
-    problem.tolerance = input.solverMesh.tolerance;
     return problem;
 }
 
@@ -32,7 +31,6 @@ BoundaryProblem::Input problemOf(const ResponseInput& input, const SolverMesh& m
     problem.bubbles = mesh.bubbles;
     problem.nu = input.nu;
     problem.threads = input.threads;
-    problem.tolerance = input.solverMesh.tolerance;
     return problem;
 }
 

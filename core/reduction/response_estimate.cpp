@@ -33,7 +33,6 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     const auto body = withoutAppendages(input.mesh->body, input.faces, {});
     if (!body) return out;
     const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, filled(input));
-    out.hierarchical = !size.volume && BoundaryProblem::hierarchical(size.nodes);
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);
     const bool loadsApart = (input.loads == BodyLoads::Always || tractions > 0) && !body->appendages.empty();
     BoundaryProblem::Estimate solve = estimateOf(size, out.columns, loadsApart ? 0 : tractions, input.threads);

@@ -28,7 +28,6 @@ ContentKey responseKey(const ResponseInput& input) {
     }
     hasher.number(static_cast<int>(input.solverMesh.kind));
     hasher.number(input.solverMesh.count);
-    if (input.solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) hasher.number(input.solverMesh.tolerance);
     const TriangleMesh& body = input.mesh->body;
     hasher.array(std::span<const double>(body.vertices.data(), static_cast<std::size_t>(body.vertices.size())));
     hasher.array(std::span<const std::int32_t>(body.triangles.data(), static_cast<std::size_t>(body.triangles.size())));

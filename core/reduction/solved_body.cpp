@@ -20,6 +20,8 @@ namespace {
 
 /// Nodes up to which the default solves on the body itself: about four seconds on two cores.
 constexpr int kMaxNodes = 3500;
+/// The same of the best one: about a minute, and 5 GB.
+constexpr int kMaxNodesOfBest = 7000;
 /// Discretisations that the default tries, the best first: strips at singular edges, bubbles on edges of at least `straight` times the mean length, and the
 /// largest number of nodes up to which it is taken. Bubbles are given up before strips: on a body of eight faces, fewer bubbles cost 0.1 % of accuracy, one
 /// strip instead of two 1 %.
@@ -136,12 +138,6 @@ Result<SolverMesh> refinedWhereCoarse(const BodySurface& surface, int fewest, bo
 /// Decimation would save less than it takes.
 bool asItIsForDraft(const TriangleMesh& body) { return body.vertices.rows() <= 2 * SolverMeshSetting::kDraftVertices; }
 
-SolvedBody withExtremeWalls(const BodySurface& surface) {
-    SolvedBody out = onItself(surface.mesh, surface);
-    out.extremeWalls = true;
-    return out;
-}
-
 /// Strips and quadratic displacement, as much as fits.
 SolvedBody quadratic(const SolvedBody& plain, bool thin) {
     SolvedBody out;
@@ -157,7 +153,7 @@ SolvedBody quadratic(const SolvedBody& plain, bool thin) {
 Result<std::optional<SolvedBody>> quadraticOnItself(const BodySurface& surface) {
     if (surface.triangles().vertices.rows() > kMaxNodes) return std::nullopt;
     const Walls walls = wallsOf(surface.triangles());
-    if (walls == Walls::Extreme) return withExtremeWalls(surface);
+    if (walls == Walls::Extreme) return onItself(surface.mesh, surface);
     auto base = refinedWhereCoarse(surface, kFewestVertices, walls == Walls::Thin);
     if (!base) return tl::make_unexpected(base.error());
     return quadratic(onItself(std::move(*base), surface), walls == Walls::Thin);
@@ -232,12 +228,13 @@ Result<SolvedBody> byBoundary(const TriangleMesh& body, std::span<const JointFac
         case SolverMeshSetting::Kind::Best: {
             const BodySurface surface(body, faces);
             const Walls walls = wallsOf(surface.triangles());
-            if (walls == Walls::Extreme) return withExtremeWalls(surface);
+            if (walls == Walls::Extreme) return onItself(surface.mesh, surface);
             const bool thin = walls == Walls::Thin;
             auto base = refinedWhereCoarse(surface, kFewestVerticesOfBest, thin);
             if (!base) return tl::make_unexpected(base.error());
             SolvedBody out = onItself(std::move(*base), surface);
             addDetail(out, 3, thin ? 0.0 : kStraightOfBest);
+            if (out.nodes() > kMaxNodesOfBest) return byDefault(surface, progress);
             return out;
         }
     }
@@ -267,7 +264,7 @@ Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFac
 SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, bool fill) {
     const auto vertices = static_cast<int>(body.vertices.rows());
     if (VolumeDetail detail = volumeDetail(body, faces, setting); detail.vertices > 0 && fill) {
-        if (detail.rim <= 0.0) detail.vertices = std::min(vertices + vertices / 2, detail.vertices);  // coarse bodies are refined
+        if (detail.rim <= 0.0 && !detail.onItself) detail.vertices = std::min(vertices + vertices / 2, detail.vertices);  // coarse bodies are refined
         return {volumeNodes(body, faces, detail), 2 * detail.vertices, volumeNodes(body, faces, coarserVolume(detail, true)), true};
     }
     if (setting.kind == SolverMeshSetting::Kind::Draft && !asItIsForDraft(body)) return {kDraftNodes, 2 * kDraftNodes, SolverMeshSetting::kDraftVertices};

@@ -32,7 +32,6 @@ struct SolvedBody {
     std::vector<JointFace> faces;  ///< of the body, or of the decimated body: with its vertices, the frames are the body's
     bool decimated = false;        ///< responses must be mapped to the body; otherwise the first vertices of `mesh` are the body's
     double volumeError = 0.0;      ///< of a decimated body, relative
-    bool extremeWalls = false;     ///< linear displacement although default or best was asked for: the walls are too thin for their triangles
     SolverMesh plain;              ///< `mesh` without strips and bubbles; empty where it has none
     /// Of each vertex of `mesh` before its `origin` begins: the body vertex at exactly the same place, -1: none.
     std::vector<std::int32_t> bodyVertex;
@@ -53,6 +52,9 @@ struct SolvedBody {
 ///               with handles volume:600, volume:2500 and volume:5000, with more vertices for more than four handles; without, of as many vertices at most, and small
 ///               tetrahedra at rims alone (VolumeDetail::rim), as many as the rims need
 ///
+///   as-is, refined:N
+///               of more than BoundaryProblem::kUsualNodes vertices: the body, its edges no longer than those of so many vertices
+///
 /// By boundary elements:
 ///
 ///   as-is       the body, linear displacement
@@ -63,13 +65,13 @@ struct SolvedBody {
 ///
 ///   volume:N, default
 ///               strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
-///               (as it is where walls are less than 1/150 of the triangles on them: see SolvedBody::extremeWalls)
+///               (as it is, with linear displacement, where walls are less than 1/150 of the triangles on them)
 ///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
 ///               handles has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///
 /// Measured against second-order finite elements (tests/data/reference): as-is is wrong by up to 23 %, default by less than 1 %, draft by less than 5 %.
-/// Handles are held by their discs (DiscMesh), but for as-is and refined:N by their triangles: the mesh is as it is.
+/// Handles are held by their discs (DiscMesh), but for as-is and refined:N by boundary elements by their triangles: the mesh is as it is.
 /// Errors: those of refinedSolverMesh() and decimate(); "cancelled".
 Result<SolvedBody> solvedBody(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting, const Progress& progress,
                               bool fill = true);

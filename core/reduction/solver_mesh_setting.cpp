@@ -3,7 +3,6 @@
 
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <utility>
 
 namespace imomushi {
@@ -18,16 +17,6 @@ constexpr std::array<std::pair<std::string_view, Kind>, 3> kCounted{{{"refined",
 }  // namespace
 
 Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
-    if (const auto at = text.find('@'); at != std::string_view::npos) {
-        auto out = parseSolverMesh(text.substr(0, at));
-        const std::string_view digits = text.substr(at + 1);
-        double tolerance = 0.0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), tolerance);
-        if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(tolerance) || !(tolerance >= SolverMeshSetting::kFinest && tolerance <= SolverMeshSetting::kCoarsest))
-            return fail("bad-value", "\"" + std::string(digits) + "\" is no tolerance of a solver mesh; write a number between 1e-6 and 0.01, as in \"best@0.001\".");
-        if (out) out->tolerance = tolerance;
-        return out;
-    }
     for (const auto& [name, kind] : kPlain)
         if (text == name) return SolverMeshSetting{kind, 0};
     for (const auto& [name, kind] : kCounted) {
@@ -56,15 +45,10 @@ Result<SolverMeshSetting> parseSolverMesh(std::string_view text) {
 }
 
 std::string solverMeshName(const SolverMeshSetting& setting) {
-    std::string tail;
-    if (setting.tolerance != SolverMeshSetting::kUsualTolerance) {
-        std::array<char, 32> digits{};
-        tail = "@" + std::string(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), setting.tolerance).ptr);
-    }
     for (const auto& [name, kind] : kPlain)
-        if (setting.kind == kind && setting.count == 0) return std::string(name) + tail;
+        if (setting.kind == kind && setting.count == 0) return std::string(name);
     for (const auto& [name, kind] : kCounted)
-        if (setting.kind == kind) return std::string(name) + ":" + std::to_string(setting.count) + tail;
+        if (setting.kind == kind) return std::string(name) + ":" + std::to_string(setting.count);
     return {};
 }
 

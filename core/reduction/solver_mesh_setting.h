@@ -21,11 +21,7 @@ struct SolverMeshSetting {
     };
     Kind kind = Kind::Default;
     int count = 0;  ///< vertices, kFewest...kMax where the kind is Refined or Decimated, 0 or the same where it is Volume, 0 otherwise
-    /// What the solution may leave of its equations (see BoundaryProblem::Input), kFinest...kCoarsest. Only large meshes, which are solved in hierarchical form, take
-    /// notice of it: the less, the longer.
-    double tolerance = kUsualTolerance;
 
-    static constexpr double kUsualTolerance = 1e-5, kFinest = 1e-6, kCoarsest = 1e-2;
     static constexpr int kFewest = 4;         ///< a tetrahedron
     static constexpr int kDraftVertices = 400;
     static constexpr int kVolumeVertices = 2500;
@@ -33,7 +29,7 @@ struct SolverMeshSetting {
     bool operator==(const SolverMeshSetting&) const = default;
 };
 
-/// "as-is", "refined:N", "decimated:N", "default", "best", "draft", "volume", "volume:N"; N in decimal digits; with "@T" after it the tolerance T ("best@0.001"). Errors: "bad-value".
+/// "as-is", "refined:N", "decimated:N", "default", "best", "draft", "volume", "volume:N"; N in decimal digits. Errors: "bad-value".
 Result<SolverMeshSetting> parseSolverMesh(std::string_view text);
 
 /// What parseSolverMesh() reads back to the same setting.

@@ -138,6 +138,10 @@ double nodesAtRims(std::span<const JointFace> faces, const TriangleMesh& body, d
 VolumeDetail volumeDetail(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
     using Kind = SolverMeshSetting::Kind;
     if (setting.kind == Kind::Volume) return {setting.count > 0 ? setting.count : SolverMeshSetting::kVolumeVertices, 0.0};
+    if (setting.kind == Kind::AsIs || setting.kind == Kind::Refined) {
+        const int vertices = std::max(setting.count, static_cast<int>(body.vertices.rows()));
+        if (vertices > BoundaryProblem::kUsualNodes) return {vertices, 0.0, true};
+    }
     const auto handles = static_cast<int>(std::count_if(faces.begin(), faces.end(), [](const JointFace& face) { return face.disc.has_value(); }));
     const int more = kPerHandle * std::max(0, handles - kUsualHandles);
     const auto made = [&](int vertices, double rim, double nodes) -> VolumeDetail {

@@ -139,25 +139,6 @@ TEST_CASE("settings: all different, the present one first, and stored ones are r
     CHECK(back.points[0].frameMs < 0.0);  // unknown stays unknown
 }
 
-TEST_CASE("settings: tolerances are tried on meshes that are solved in hierarchical form, and stored ones are read back") {
-    const AccuracySetting present{false, BasisKind::Affine, false, {}, ResponseFormat::Float};
-    const std::size_t usual = studiedSettings(present).size();
-    const MeshChoice best{false, SolverMeshSetting::Kind::Best, 0.0};
-    const auto settings = studiedSettings(present, {best});
-    REQUIRE(settings.size() == usual + 2);
-    for (std::size_t i = usual; i < settings.size(); ++i) {
-        MeshChoice mesh = settings[i].mesh;
-        CHECK(mesh.tolerance != SolverMeshSetting::kUsualTolerance);
-        AccuracyStudy study;
-        study.points.emplace_back().setting = settings[i];
-        CHECK(studyFromJson(studyJson(study)).points.at(0).setting == settings[i]);
-        mesh.tolerance = SolverMeshSetting::kUsualTolerance;
-        CHECK(mesh == best);
-    }
-    // No body here is large enough.
-    CHECK_FALSE(anyHierarchical(smallStudy().reference.elements));
-}
-
 TEST_CASE("poses: the error in one pose is that of a study there, and the full solution is solved once") {
     const auto study = smallStudy();
     const Reference reference = quickReference(study);

@@ -143,24 +143,6 @@ TEST_CASE("inspector: dragging a number of a precomputed element is one undo ste
     CHECK(says(w, "State", QStringLiteral("Up to date")));
 }
 
-TEST_CASE("inspector: large solver meshes have a tolerance, which other choices keep") {
-    Window w;
-    const PartId id = cylinder(w, "limb", QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"), 2.0);
-    const auto mesh = [&] { return solverMeshName(w.now().elements.at(id)->solverMesh); };
-    w.document().select({{SelectionItem::Kind::Element, id, {}, false}});
-    w.settle();
-    CHECK_FALSE(inspectorRow<QComboBox>(w, "Tolerance"));
-    w.run({{"do", "set"}, {"target", "limb"}, {"property", "solver-mesh"}, {"value", "refined:9000"}});
-    w.settle();
-    choose(w, "Tolerance", QStringLiteral("0.001"));
-    CHECK(mesh() == "refined:9000@0.001");
-    choose(w, "Solver mesh", QStringLiteral("Decimated"));
-    CHECK(mesh().ends_with("@0.001"));
-    choose(w, "Tolerance", QStringLiteral("0.00001"));
-    CHECK(w.now().elements.at(id)->solverMesh.tolerance == SolverMeshSetting::kUsualTolerance);
-    waitFor([&] { return !inspectorRow<QComboBox>(w, "Tolerance"); });
-}
-
 TEST_CASE("inspector: of two congruent elements the second says whose precompute it takes over, and several are set together") {
     Window w;
     const QString file = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");

@@ -37,8 +37,6 @@ QString settingText(const AccuracySetting& s) {
         mesh = QCoreApplication::translate("imomushi::settingText", "draft mesh");
     else
         mesh = QCoreApplication::translate("imomushi::settingText", "default mesh");
-    if (!s.mesh.own && s.mesh.tolerance != SolverMeshSetting::kUsualTolerance)
-        mesh = QCoreApplication::translate("imomushi::settingText", "%1, tolerance %2").arg(mesh, QLocale().toString(s.mesh.tolerance, 'f', QLocale::FloatingPointShortest));
     QString basis;
     if (s.previous)
         basis = QCoreApplication::translate("imomushi::settingText", "previous model");

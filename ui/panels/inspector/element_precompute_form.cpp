@@ -26,7 +26,7 @@ SolverMeshSetting firstSetting(MeshKind kind, const Element& element) {
     if (kind == MeshKind::Refined) count = std::min(2 * vertices, SolverMeshSetting::kMax);
     if (kind == MeshKind::Decimated) count = std::max(vertices / 2, SolverMeshSetting::kFewest);
     if (kind == MeshKind::Volume) count = SolverMeshSetting::kVolumeVertices;
-    return {kind, count, element.solverMesh.tolerance};
+    return {kind, count};
 }
 
 }  // namespace
@@ -75,34 +75,8 @@ void ElementForm::addSolverMesh(const Items& items) {
                       setting.count = int(std::lround(value));
                       return command(item, setting);
                   });
-    // Only large meshes take notice of it.
-    const auto tolerant = [this, items] {
-        return std::any_of(items.begin(), items.end(), [&](const SelectionItem& item) {
-            const Element* e = element(item);
-            if (!e || e->solverMesh.tolerance != SolverMeshSetting::kUsualTolerance) return e != nullptr;
-            if (const auto response = document_.session().response(item.part)) return response->quality.solve.hierarchical;
-            const ResponseEstimate* estimate = document_.estimateOf(item.part);
-            return estimate && estimate->hierarchical;
-        });
-    };
-    if (tolerant()) {
-        std::vector<std::pair<QString, double>> choices;
-        for (const double tolerance : {1e-6, SolverMeshSetting::kUsualTolerance, 1e-4, 1e-3, 1e-2}) choices.emplace_back(QLocale().toString(tolerance, 'f', QLocale::FloatingPointShortest), tolerance);
-        addChoice<double>(tr("Tolerance"), choices,
-                          [common]() -> std::optional<double> {
-                              const auto setting = common();
-                              return setting ? std::optional(setting->tolerance) : std::nullopt;
-                          },
-                          [changeAll](double tolerance) {
-                              changeAll([tolerance](const Element& e) {
-                                  SolverMeshSetting setting = e.solverMesh;
-                                  setting.tolerance = tolerance;
-                                  return setting;
-                              });
-                          });
-    }
-    follow([this, counted, tolerant, hadCount = counted(), hadTolerance = tolerant()] {
-        if (counted() != hadCount || tolerant() != hadTolerance) askForRows();  // again while a gesture keeps the rows from being made
+    follow([this, counted, hadCount = counted()] {
+        if (counted() != hadCount) askForRows();  // again while a gesture keeps the rows from being made
     });
 }
 
