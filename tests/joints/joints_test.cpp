@@ -84,7 +84,7 @@ TEST_CASE("joint face by seed: one side of the cube, whichever of its triangles 
 }
 
 TEST_CASE("eq. (5): with a = b = 1 the map is a rigid tilt about an axis in the plane, and its columns are the displaced axes") {
-    rc::check([] {
+    CHECK(rc::check([] {
         PaperParameters p;
         p.theta1 = uniform(-3.0, 3.0), p.theta2 = uniform(-1.5, 1.5);
         const JointMap map = jointMap(p);
@@ -92,11 +92,11 @@ TEST_CASE("eq. (5): with a = b = 1 the map is a rigid tilt about an axis in the 
         // The axis across theta1 stays where it is.
         const Vec3 across(-std::sin(p.theta1), std::cos(p.theta1), 0.0);
         RC_ASSERT((map.linear * across - across).norm() < 1e-13);
-    });
+    }));
 }
 
 TEST_CASE("basis: both bases say eq. (5) exactly, affine says every affine map of the plane, and curved faces every one of space") {
-    rc::check([] {
+    CHECK(rc::check([] {
         const Vec3 p(uniform(-1, 1), uniform(-1, 1), 0.0);
         const JointMap paper = jointMap({uniform(0.5, 2), uniform(0.5, 2), uniform(-3, 3), uniform(-1.4, 1.4), uniform(-1, 1)});
         JointMap any;
@@ -114,7 +114,7 @@ TEST_CASE("basis: both bases say eq. (5) exactly, affine says every affine map o
         const Vec3 outside(p.x(), p.y(), uniform(-0.2, 0.2));
         RC_ASSERT(error({BasisKind::Affine, false}, any, outside) < 1e-14 * 10);
         RC_ASSERT(error({BasisKind::Paper, false}, paper, outside) < 1e-14 * 10);
-    });
+    }));
 }
 
 TEST_CASE("paper basis: a twist is left out and told, and the plane neither shrinks nor tilts because of it") {

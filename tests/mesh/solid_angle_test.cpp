@@ -39,7 +39,7 @@ TEST_CASE("solid angle: an eighth at the corners of a cube, a quarter at its edg
 }
 
 TEST_CASE("solid angle: the same as the winding number of the whole surface, wherever it does not touch itself") {
-    rc::check("any body, bent and flattened", [] {
+    CHECK(rc::check("any body, bent and flattened", [] {
         const int which = *rc::gen::inRange(0, 4);
         shapes::Body body = which == 0   ? shapes::sphere(1.0, 1)
                             : which == 1 ? shapes::torus(1.0, 0.3, 9, 5)
@@ -58,7 +58,7 @@ TEST_CASE("solid angle: the same as the winding number of the whole surface, whe
             RC_ASSERT(angles[static_cast<std::size_t>(v)] < 1.0);
             RC_ASSERT(std::abs(angles[static_cast<std::size_t>(v)] - windingAt(body.mesh, v)) < 1e-11);
         }
-    });
+    }));
 }
 
 TEST_CASE("solid angle: a vertex that touches another part of the surface is told by the winding number, which is larger") {

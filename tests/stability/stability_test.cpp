@@ -340,7 +340,7 @@ TEST_CASE("stability: a sheared bar of which tetrahedra come out flat is solved 
 TEST_CASE("stability: any hard body with any faces, bent out of shape in any way, gets a bounded answer or a documented reason, the same for two threads") {
     int solved = 0, refused = 0;
     double largest = 0.0;
-    rc::check("random hard bodies", [&] {
+    CHECK(rc::check("random hard bodies", [&] {
         const auto& cases = hardCases();
         const HardCase& hard = cases[*rc::gen::inRange<std::size_t>(0, cases.size())];
         HardElement element = hard.elements[*rc::gen::inRange<std::size_t>(0, hard.elements.size())];
@@ -363,7 +363,7 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
         input.mesh = held;
         input.nu = *rc::gen::element(0.0, 0.3, 0.49, 0.5);
         input.basis = *rc::gen::element(BasisKind::Paper, BasisKind::Affine);
-        input.solverMesh.kind = *rc::gen::weightedElement<SolverMeshSetting::Kind>({{9, SolverMeshSetting::Kind::AsIs}, {1, SolverMeshSetting::Kind::Default}});
+        input.solverMesh.kind = *rc::gen::weightedElement<SolverMeshSetting::Kind>({{9, SolverMeshSetting::Kind::AsIs}, {1, SolverMeshSetting::Kind::Draft}});
         const int faces = *rc::gen::inRange(0, 5);
         for (int f = 0; f < faces; ++f) {
             const auto seed = *rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(mesh.triangles.rows()));
@@ -387,7 +387,8 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
         RC_ASSERT(finite(response->stiffness));
         if (!input.faces.empty()) {
             RC_ASSERT(response->quality.solve.residual <= 1e-6);
-            RC_ASSERT(response->quality.solve.rcond > 0.0);
+            const double rcond = response->quality.solve.rcond;  // of tetrahedra it is not known: they keep to the bound of those that are well posed
+            RC_ASSERT(rcond > 0.0 || response->quality.tetrahedra > 0);
             // Relative to what a lever as long as the body makes of the strain or turn of a face. Equations and unknowns are of order one in units
             // of the body's size, so the condition number bounds what comes out.
             double motion = 0.0;
@@ -397,7 +398,7 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
                     const double unit = shift ? size / input.faces[f].size : size;
                     motion = std::max(motion, response->response.col(c).cwiseAbs().maxCoeff() / unit);
                 }
-            RC_ASSERT(motion <= std::max(10.0, 1.0 / response->quality.solve.rcond));
+            RC_ASSERT(motion <= std::max(10.0, rcond > 0.0 ? 1.0 / rcond : 0.0));
             largest = std::max(largest, motion);
         }
         input.threads = 2;
@@ -405,7 +406,7 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
         RC_ASSERT(again.has_value());
         RC_ASSERT(again->response == response->response);
         RC_ASSERT(again->stiffness == response->stiffness);
-    });
+    }));
     MESSAGE(solved << " solved, " << refused << " refused; largest motion over that of a lever: " << largest);
     CHECK(solved > refused / 2);
 }
