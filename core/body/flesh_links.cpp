@@ -27,7 +27,7 @@ namespace {
 constexpr double kLinked = 0.05;         ///< parts that are farther apart are linked only where their bones are neighbours,
 constexpr double kLinkedByBones = 0.15;  ///< and never beyond this
 constexpr double kOtherBones = 4.0;     ///< parts of bones that are not neighbours count as this many times as far apart
-constexpr double kCarriedPart = 0.1;       ///< volume over that of the largest part: one without a motion of its own that is smaller is attached
+constexpr double kCarriedPart = 0.04;      ///< volume over that of the largest part: one without a motion of its own that is smaller is attached
 constexpr double kMostCarried = 0.1;    ///< volume of what is attached over that of all
 constexpr int kBoneSteps = 3;              ///< from bone to bone in a skeleton: a ball between two limbs may have a bone or none
 

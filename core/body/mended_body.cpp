@@ -13,6 +13,7 @@
 #include "core/base/union_find.h"
 #include "core/body/cgal/rays.h"
 #include "core/body/cgal/unite.h"
+#include "core/body/cgal/untangle.h"
 #include "core/body/flesh_links.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/shells.h"
@@ -215,6 +216,28 @@ TriangleMesh separated(TriangleMesh mesh) {
     return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
 }
 
+/// How much of its volume a part may lose or gain where its crossings with itself are taken out, before it is united.
+constexpr double kUntangledPart = 0.01;
+
+/// The union of two parts; of which those that cross themselves are untangled first, where it fails otherwise.
+std::optional<TriangleMesh> unitedOrUntangled(const TriangleMesh& a, const TriangleMesh& b) {
+    {
+        const Attempt uniting("a union of two parts");
+        if (uniting)
+            if (auto both = unite(a, b)) return both;
+    }
+    const Attempt untangling("a union of two parts without their crossings with themselves");
+    if (!untangling) return std::nullopt;
+    const auto clean = [](const TriangleMesh& part) -> std::optional<TriangleMesh> {
+        auto out = untangled(part);
+        const double was = meshFacts(part).volume;
+        if (!out || !(std::abs(meshFacts(*out).volume - was) <= kUntangledPart * was)) return std::nullopt;
+        return out;
+    };
+    const auto cleanA = clean(a), cleanB = clean(b);
+    return cleanA && cleanB ? unite(*cleanA, *cleanB) : std::nullopt;
+}
+
 /// Bodies that touch each other as one. Each joins after one that it touches: whether it meets what the others have become need not be asked, which takes long for many parts.
 /// Empty where CGAL cannot, or when cancelled.
 std::optional<TriangleMesh> united(const std::vector<TriangleMesh>& bodies, std::size_t& unions, const Progress& progress) {
@@ -238,9 +261,7 @@ std::optional<TriangleMesh> united(const std::vector<TriangleMesh>& bodies, std:
         if (progress.cancelled()) return std::nullopt;
         const auto next = std::find_if(left.begin(), left.end(), [&](std::size_t b) { return std::any_of(joined.begin(), joined.end(), [&](std::size_t a) { return meet(a, b); }); });
         if (next == left.end()) break;
-        const Attempt uniting("a union of two parts");
-        if (!uniting) return std::nullopt;
-        std::optional<TriangleMesh> both = unite(whole, bodies[*next]);
+        std::optional<TriangleMesh> both = unitedOrUntangled(whole, bodies[*next]);
         if (!both) return std::nullopt;
         whole = separated(std::move(*both));
         joined.push_back(*next);

@@ -328,6 +328,16 @@ Result<std::vector<Division>> divisions(const Document& document, const Characte
     return found;
 }
 
+/// The last cut of a piece of which all vertices lie on cuts, so that joint faces would hold it whole; -1: there is none.
+int cutWithoutFlesh(const Pieces& pieces) {
+    for (const BodyPiece& piece : pieces) {
+        std::size_t held = 0;  // cuts share no vertices
+        for (const BodyPiece::Cap& cap : piece.caps) held += cap.vertices.size();
+        if (!piece.caps.empty() && held == piece.source.size()) return piece.caps.back().cut;
+    }
+    return -1;
+}
+
 /// A cut that gets a name of its own where it has none.
 void nameCut(const Document& document, Cut& cut, const Element& behind, const Element& front, bool named) {
     for (int n = 1; cut.name.empty() || cut.name == behind.name || cut.name == front.name; ++n)
@@ -351,6 +361,15 @@ Result<MadeCuts> addCuts(Document& document, PartId characterId, PartId elementI
     Pieces pieces;
     while (true) {
         auto cut = cutUp(character, progress);
+        if (cut && leaveOut) {
+            if (const int fault = cutWithoutFlesh(*cut); fault >= static_cast<int>(before)) {
+                CutRefusal none;
+                none.code = "no-free-vertex";
+                none.message = "Between the cut and another no vertex of the surface would be free; move one of them away.";
+                none.cut = fault;
+                cut = tl::make_unexpected(std::move(none));
+            }
+        }
         if (cut) {
             pieces = std::move(*cut);
             break;
