@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iomanip>
 #include <locale>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "core/base/index.h"
 #include "core/base/try.h"
 #include "core/body/body_codec.h"
+#include "core/body/cgal/rays.h"
 #include "core/body/cgal/untangle.h"
 #include "core/body/mended_body.h"
 #include "core/body/prepared_surface.h"
@@ -30,6 +32,8 @@ namespace {
 
 /// What an artist is told of: distance of the vertices from the body in diagonals, root mean square; error of the volume.
 constexpr double kFarOff = 0.02, kMuchLost = 0.05;
+/// What lies so deep in the flesh of a mended body, in diagonals, is not seen.
+constexpr double kBuried = 1e-3;
 /// Change of volume, relative, that untangling a surface may bring.
 constexpr double kUntangledVolume = 0.01;
 
@@ -54,9 +58,15 @@ bool sound(Body& body) {
     return true;
 }
 
+/// How far what is seen is from the body. What a mended one has in its flesh, where parts overlap, nobody sees.
 void measureDistance(const TriangleMesh& render, Body& body) {
     const double diagonal = diagonalOf(body.mesh.vertices);
     const TriangleTree tree(body.mesh);
+    std::optional<RayTree> rays;
+    const auto buried = [&](const Vec3& place) {
+        if (!rays) rays.emplace(body.mesh);
+        return rays->inside(place);
+    };
     std::vector<char> used(static_cast<std::size_t>(render.vertices.rows()), 0);
     for (Eigen::Index i = 0; i < render.triangles.size(); ++i) used[at(render.triangles.data()[i])] = 1;
     double sum = 0.0, largest = 0.0;
@@ -65,7 +75,12 @@ void measureDistance(const TriangleMesh& render, Body& body) {
         if (!used[v]) continue;
         ++count;
         if (body.bodyVertex[v] >= 0) continue;  // welded there
-        const double distance = std::sqrt(tree.nearest(render.vertices.row(static_cast<Eigen::Index>(v))).squaredDistance) / diagonal;
+        const Vec3 place = render.vertices.row(static_cast<Eigen::Index>(v));
+        const double distance = std::sqrt(tree.nearest(place).squaredDistance) / diagonal;
+        if (body.report.how == BodyKind::Mended && distance > kBuried && buried(place)) {
+            --count;
+            continue;
+        }
         sum += distance * distance;
         largest = std::max(largest, distance);
     }
