@@ -2879,10 +2879,6 @@
             <translation>目標頂点数</translation>
         </message>
         <message>
-            <source>Tolerance</source>
-            <translation>許容差</translation>
-        </message>
-        <message>
             <source>Shared with</source>
             <translation>共有元</translation>
         </message>
@@ -4417,10 +4413,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>%1, smooth joints</source>
             <translation>%1、滑らかな関節</translation>
-        </message>
-        <message>
-            <source>%1, tolerance %2</source>
-            <translation>%1、許容差%2</translation>
         </message>
         <message>
             <source>draft mesh</source>

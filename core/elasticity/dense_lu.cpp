@@ -45,15 +45,19 @@ void useSingleThreadedBlas() {
     std::call_once(once, [] { openblas_set_num_threads(1); });
 }
 
-template <class T>
-LargeArray<T>::LargeArray(std::size_t count) {
-    const std::size_t bytes = (count * sizeof(T) + kLargePage - 1) / kLargePage * kLargePage;
-    void* p = std::aligned_alloc(kLargePage, std::max(bytes, kLargePage));
-    if (!p) throw std::bad_alloc();
+void* allocateLarge(std::size_t bytes) noexcept {
+    if (bytes < kLargePage) return std::malloc(bytes);
+    const std::size_t pages = (bytes + kLargePage - 1) / kLargePage * kLargePage;
+    void* p = pages >= bytes ? std::aligned_alloc(kLargePage, pages) : nullptr;
 #ifdef __linux__
-    madvise(p, bytes, MADV_HUGEPAGE);  // advice only: fewer page faults and TLB misses
+    if (p) madvise(p, pages, MADV_HUGEPAGE);  // advice only: fewer page faults and TLB misses
 #endif
-    data_.reset(static_cast<T*>(p));
+    return p;
+}
+
+template <class T>
+LargeArray<T>::LargeArray(std::size_t count) : data_(static_cast<T*>(allocateLarge(std::max<std::size_t>(1, count) * sizeof(T)))) {
+    if (!data_) throw std::bad_alloc();
 }
 
 template <class T>

@@ -10,6 +10,9 @@
 
 namespace imomushi {
 
+/// As std::malloc, which std::free gives back, but what is large gets large pages where the system has them. Uninitialised; null: there is none.
+void* allocateLarge(std::size_t bytes) noexcept;
+
 /// Memory for a large matrix, in large pages where the system has them; not initialised.
 template <class T>
 class LargeArray {

@@ -30,8 +30,7 @@ constexpr double kTooLong = 1.4;
 /// What a worker may use; a body of 100,000 vertices takes some five seconds.
 constexpr WorkLimits kLimits{std::size_t{16} << 30, 600, 3600.0, false};
 
-/// A tetrahedron is flat where its volume is less than this times the product of three edges: four corners that lie in one plane but for the rounding of
-/// coordinates (1e-8 of an edge where bodies are on a grid, see volume_body.cpp), so that the sign of its volume is by chance.
+/// See anyFlat(). Four corners in one plane have a volume of about the rounding of coordinates, of a sign by chance.
 constexpr double kFlat = 1e-7;
 /// What TetGen throws where it gets no memory.
 constexpr int kNoMemory = 1;
@@ -121,20 +120,21 @@ tl::unexpected<Error> noFilling(const std::string& reason) {
     return fail(kNoFilling, "The body cannot be filled with tetrahedra: " + reason + "; repair it, or choose a solver mesh that needs none, such as \"as-is\".");
 }
 
+/// From the first corner of a tetrahedron to the others.
+Eigen::Matrix3d edgesOf(const TetrahedralMesh& mesh, Eigen::Index t) {
+    Eigen::Matrix3d edges;
+    for (int c = 0; c < 3; ++c) edges.col(c) = mesh.vertices.row(mesh.tetrahedra(t, c + 1)) - mesh.vertices.row(mesh.tetrahedra(t, 0));
+    return edges;
+}
+
 /// Keeps the tetrahedra inside, turned to positive volume, and checks that exactly the surface bounds them and that none is flat.
 Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh) {
     const Eigen::Index count = mesh.tetrahedra.rows();
     if (mesh.vertices.rows() < surface.vertices.rows() || mesh.vertices.topRows(surface.vertices.rows()) != surface.vertices)
         return noFilling("TetGen moved its vertices");
-    const auto edgesOf = [&](Eigen::Index t) -> Eigen::Matrix3d {
-        const auto corner = [&](int c) -> Vec3 { return mesh.vertices.row(mesh.tetrahedra(t, c)).transpose(); };
-        Eigen::Matrix3d edges;
-        for (int c = 0; c < 3; ++c) edges.col(c) = corner(c + 1) - corner(0);
-        return edges;
-    };
     // All look the same way by exact predicates, flat ones too, of which rounding would tell nothing.
     double all = 0.0;
-    for (Eigen::Index t = 0; t < count; ++t) all += edgesOf(t).determinant();
+    for (Eigen::Index t = 0; t < count; ++t) all += edgesOf(mesh, t).determinant();
     if (all < 0.0) mesh.tetrahedra.col(2).swap(mesh.tetrahedra.col(3));
     // Sides by their corners; those of one tetrahedron look outwards in this order.
     constexpr std::array<std::array<int, 3>, 4> kSides{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
@@ -197,10 +197,7 @@ Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh
     double volume = 0.0, wanted = 0.0;
     for (Eigen::Index t = 0; t < count; ++t) {
         if (!inside[static_cast<std::size_t>(t)]) continue;
-        const Eigen::Matrix3d edges = edgesOf(t);
-        const double own = edges.determinant();
-        if (!(own > kFlat * edges.colwise().norm().prod())) return noFilling("a tetrahedron has no volume");
-        volume += own;
+        volume += edgesOf(mesh, t).determinant();
         mesh.tetrahedra.row(kept++) = mesh.tetrahedra.row(t);
     }
     const Vec3 from = surface.vertices.row(0).transpose();
@@ -210,6 +207,7 @@ Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh
     }
     if (!(std::abs(volume - wanted) <= 1e-6 * std::abs(wanted))) return noFilling("it overlaps itself");
     out.tetrahedra = mesh.tetrahedra.topRows(kept);
+    if (anyFlat({mesh.vertices, out.tetrahedra})) return noFilling("a tetrahedron has no volume");
     for (Eigen::Index t = 0; t < kept; ++t)
         for (int c = 0; c < 4; ++c)
             if (Index& n = number[static_cast<std::size_t>(out.tetrahedra(t, c))]; n < 0) n = vertices++;
@@ -238,6 +236,14 @@ Result<TetrahedralMesh> fillHere(const TriangleMesh& surface, const TetrahedronS
 }
 
 }  // namespace
+
+bool anyFlat(const TetrahedralMesh& mesh) {
+    for (Eigen::Index t = 0; t < mesh.tetrahedra.rows(); ++t) {
+        const Eigen::Matrix3d edges = edgesOf(mesh, t);
+        if (!(edges.determinant() > kFlat * edges.colwise().norm().prod())) return true;
+    }
+    return false;
+}
 
 double TetrahedronSizes::at(const Vec3& p) const {
     double least = most;

@@ -17,6 +17,9 @@ struct TetrahedralMesh {
     Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> tetrahedra;  ///< of positive volume
 };
 
+/// Whether the volume of a tetrahedron is less than 1e-7 of the product of three of its edges, or negative: equations with it mean nothing.
+bool anyFlat(const TetrahedralMesh& mesh);
+
 /// Lengths of edges, m: the least of `most` and, at the distance d from each point, its size + growth * d.
 struct TetrahedronSizes {
     struct Point {

@@ -224,6 +224,8 @@ bool VolumeProblem::State::solveFactor(NodeValues& x, const Progress& progress) 
 Result<VolumeProblem> VolumeProblem::build(const Input& input, const Progress& progress) {
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     useSingleThreadedBlas();
+    static std::once_flag large;
+    std::call_once(large, [] { SuiteSparse_config.malloc_func = allocateLarge; });  // else a third of the time of a draft goes into page faults
     omp_set_max_active_levels(0);  // CHOLMOD starts four threads for loops that are too short for them, and several problems are solved at once
     BoundaryProblem::Input checked;
     checked.mesh = input.surface;

@@ -204,6 +204,10 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
         if (!filling && filling.error().code == "no-filling") continue;
         if (!filling) break;
         grid.back(exact, fine, *filling);
+        if (anyFlat(*filling)) {  // edges as short as the steps of the grid
+            filling = fail("no-filling", "The body cannot be filled with tetrahedra: some of its edges are too short; repair it.");
+            continue;
+        }
         fine.origin.insert(fine.origin.begin(), out->mesh.origin.begin(), out->mesh.origin.end());
         fine.bubbles = longFreeEdges(fine, 0.0);
         out->mesh = std::move(fine);
