@@ -112,6 +112,21 @@ TEST_CASE("volume body: at ratios that tetrahedra cannot take, and where a body 
     CHECK(crossed->noFilling.find("filled") != std::string::npos);
 }
 
+TEST_CASE("volume body: the body itself is filled where as-is or refined have more than 5,000 vertices, and all its vertices stay") {
+    const ResponseInput input = egg("refined:6000");
+    const Points& own = input.mesh->body.vertices;
+    const auto large = solvedBody(input.mesh->body, input.faces, input.solverMesh, {});
+    REQUIRE(large);
+    REQUIRE(large->filling);
+    CHECK_FALSE(large->decimated);
+    CHECK(large->noFilling.empty());
+    CHECK(large->mesh.mesh.vertices.topRows(own.rows()) == own);
+    const auto usual = solvedBody(input.mesh->body, input.faces, parseSolverMesh("refined:5000").value(), {});
+    REQUIRE(usual);
+    CHECK_FALSE(usual->filling);
+    CHECK(usual->mesh.mesh.vertices.rows() == 5000);
+}
+
 TEST_CASE("volume body: flesh that hangs from two faces close together moves in a draft of tetrahedra as with twice as many, within what it states") {
     const auto mesh = std::make_shared<ElementMesh>();
     mesh->body = shapes::moved(shapes::sphere(1.0, 3), Vec3(0.8, 0.8, 1.6).asDiagonal()).mesh;
