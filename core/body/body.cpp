@@ -29,13 +29,10 @@
 namespace imomushi {
 namespace {
 
-
 /// What an artist is told of: distance of the vertices from the body in diagonals, root mean square; error of the volume.
 constexpr double kFarOff = 0.02, kMuchLost = 0.05;
 /// What lies so deep in the flesh of a mended body, in diagonals, is not seen.
 constexpr double kBuried = 1e-3;
-/// Change of volume, relative, that untangling a surface may bring.
-constexpr double kUntangledVolume = 0.01;
 
 Result<void> checkSetting(const BodySetting& setting) {
     if (setting.detail != 0.0 && !(isFinite(setting.detail) && setting.detail >= kFinestDetail && setting.detail <= kCoarsestDetail))
@@ -73,14 +70,13 @@ void measureDistance(const TriangleMesh& render, Body& body) {
     std::size_t count = 0;
     for (std::size_t v = 0; v < used.size(); ++v) {
         if (!used[v]) continue;
-        ++count;
-        if (body.bodyVertex[v] >= 0) continue;  // welded there
-        const Vec3 place = render.vertices.row(static_cast<Eigen::Index>(v));
-        const double distance = std::sqrt(tree.nearest(place).squaredDistance) / diagonal;
-        if (body.report.how == BodyKind::Mended && distance > kBuried && buried(place)) {
-            --count;
-            continue;
+        double distance = 0.0;
+        if (body.bodyVertex[v] < 0) {  // else welded there
+            const Vec3 place = render.vertices.row(static_cast<Eigen::Index>(v));
+            distance = std::sqrt(tree.nearest(place).squaredDistance) / diagonal;
+            if (body.report.how == BodyKind::Mended && distance > kBuried && buried(place)) continue;
         }
+        ++count;
         sum += distance * distance;
         largest = std::max(largest, distance);
     }
@@ -98,14 +94,13 @@ bool crossesItself(const Body& body) {
     return std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
 }
 
-/// The same body without its crossings, where what is changed encloses about the same.
+/// The same body without its crossings.
 std::optional<Body> withoutCrossings(const Body& body) {
     const Attempt untangling("the crossings of a surface with itself");
     if (!untangling) return std::nullopt;
     auto mesh = untangled(body.mesh);
     if (!mesh) return std::nullopt;
-    const MeshFacts before = meshFacts(body.mesh), after = meshFacts(*mesh);
-    if (after.components != before.components || std::abs(after.volume - before.volume) > kUntangledVolume * before.volume) return std::nullopt;
+    if (meshFacts(*mesh).components != meshFacts(body.mesh).components) return std::nullopt;
     Body out;
     out.report = body.report;
     std::erase_if(out.report.issues, [](const MeshIssue& issue) { return issue.code == "self-intersection"; });

@@ -216,9 +216,6 @@ TriangleMesh separated(TriangleMesh mesh) {
     return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
 }
 
-/// How much of its volume a part may lose or gain where its crossings with itself are taken out, before it is united.
-constexpr double kUntangledPart = 0.01;
-
 /// The union of two parts; of which those that cross themselves are untangled first, where it fails otherwise.
 std::optional<TriangleMesh> unitedOrUntangled(const TriangleMesh& a, const TriangleMesh& b) {
     {
@@ -228,13 +225,7 @@ std::optional<TriangleMesh> unitedOrUntangled(const TriangleMesh& a, const Trian
     }
     const Attempt untangling("a union of two parts without their crossings with themselves");
     if (!untangling) return std::nullopt;
-    const auto clean = [](const TriangleMesh& part) -> std::optional<TriangleMesh> {
-        auto out = untangled(part);
-        const double was = meshFacts(part).volume;
-        if (!out || !(std::abs(meshFacts(*out).volume - was) <= kUntangledPart * was)) return std::nullopt;
-        return out;
-    };
-    const auto cleanA = clean(a), cleanB = clean(b);
+    const auto cleanA = untangled(a), cleanB = untangled(b);
     return cleanA && cleanB ? unite(*cleanA, *cleanB) : std::nullopt;
 }
 
