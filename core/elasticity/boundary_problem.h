@@ -34,7 +34,7 @@ public:
         double nu = 0.45;                    ///< Poisson ratio, 0...0.5
         int threads = 1;
     };
-    /// With more nodes finite elements take less time and memory.
+    /// With more nodes finite elements take less processor time for a smaller error, see README.md.
     static constexpr int kUsualNodes = 5000;
     /// Errors: "cancelled", "bad-value", "no-memory", "no-face", "shared-rim" (two patches share a vertex), "no-free-vertex",
     /// "singular", "not-closed" (the solid-angle sums say that the surface is open, inverted or self-overlapping).

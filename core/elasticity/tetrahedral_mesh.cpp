@@ -207,7 +207,6 @@ Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh
     }
     if (!(std::abs(volume - wanted) <= 1e-6 * std::abs(wanted))) return noFilling("it overlaps itself");
     out.tetrahedra = mesh.tetrahedra.topRows(kept);
-    if (anyFlat({mesh.vertices, out.tetrahedra})) return noFilling("a tetrahedron has no volume");
     for (Eigen::Index t = 0; t < kept; ++t)
         for (int c = 0; c < 4; ++c)
             if (Index& n = number[static_cast<std::size_t>(out.tetrahedra(t, c))]; n < 0) n = vertices++;
@@ -216,6 +215,7 @@ Result<TetrahedralMesh> within(const TriangleMesh& surface, TetrahedralMesh mesh
         if (number[v] >= 0) out.vertices.row(number[v]) = mesh.vertices.row(static_cast<Eigen::Index>(v));
     for (Eigen::Index t = 0; t < kept; ++t)
         for (int c = 0; c < 4; ++c) out.tetrahedra(t, c) = number[static_cast<std::size_t>(out.tetrahedra(t, c))];
+    if (anyFlat(out)) return noFilling("a tetrahedron has no volume");
     return out;
 }
 
