@@ -11,8 +11,6 @@ namespace imomushi {
 
 namespace {
 
-// The bend warp moves no vertex farther out of the ball around a body than this part of its size.
-constexpr double kBeyondWarp = 0.25;
 // Sizes of an element: the ground begins to carry flesh that is as near.
 constexpr double kNear = 0.1;
 
@@ -124,11 +122,10 @@ void GroundJob::measure(Element& element, double& depth, Frame& frame) {
     ElementFrame& of = frame.elements[element.index];
     const ElementRuntime& runtime = *of.runtime;
     const bool warped = runtime.warp && of.warpPart > 0.0;
-    const double beyond = warped ? kBeyondWarp * runtime.size : of.weights().cwiseAbs().dot(runtime.columnSize);
-    // Far above, all of it is.
+    // Far above, all of it is. How far a warped one reaches nobody knows before.
     of.aloft = 1.0;
     const Plane plane = settings().plane();
-    if (plane.height(of.frame(runtime.middle)) > (0.5 + kNear) * runtime.size + beyond) {
+    if (!warped && plane.height(of.frame(runtime.middle)) > (0.5 + kNear) * runtime.size + of.weights().cwiseAbs().dot(runtime.columnSize)) {
         for (const Chosen& c : element.chosen) at_[c.flesh] = of.frame(c.rest);
         depth = 0.0;
         return;

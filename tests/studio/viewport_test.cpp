@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/viewport/viewport_widget.h"
 
+#include <QElapsedTimer>
 #include <QFocusEvent>
 #include <QOpenGLWidget>
 #include <QSignalSpy>
 #include <QWheelEvent>
 
 #include "tests/studio/window.h"
+#include "ui/viewport/frame_clock.h"
 
 using namespace imomushi;
 
@@ -71,11 +73,14 @@ TEST_CASE("viewport: however fast the mouse tells, a drag is a command a frame, 
     };
     QTest::qWait(kFrameMs);
     commands = 0;
+    QElapsedTimer since;
+    since.start();
     for (int i = 0; i < 200; ++i) move(from + QPoint(i, 0));  // without a turn of the event loop
-    CHECK(commands <= 1);
+    const int given = 1 + int(since.elapsed() / FrameClock::kFrameMs);  // one at once, and one in each frame that passed meanwhile
+    CHECK(commands <= given);
     waitFor([&] { return commands >= 1; });
     w.settle();
-    CHECK(commands <= 2);
+    CHECK(commands <= given + 1);
     const Vec3 reached = targets();
     move(from + QPoint(199, 0));
     w.settle();
@@ -161,6 +166,7 @@ TEST_CASE("viewport: fast pictures are coarse ones, fine ones are what a picture
     const auto drawn = [&] { return canvas->grabFramebuffer(); };
     waitFor([&] { return !w.view().cameraController().moving(); });
     const QImage fine = w.view().grabFramebuffer();
+    w.view().setPictureQuality(ViewportWidget::PictureQuality::Fast);
     CHECK(drawn() != fine);
     w.view().setPictureQuality(ViewportWidget::PictureQuality::Fine);
     CHECK(drawn() == fine);
@@ -176,7 +182,10 @@ TEST_CASE("viewport: draws while something moves and is still when nothing does"
         return stays([&] { return steps.isEmpty(); });
     });
     QSignalSpy frames(&w.view(), &ViewportWidget::frameMeasured);
-    CHECK(stays([&] { return frames.isEmpty(); }));
+    waitFor([&] {  // the last picture may come when the display gets to it
+        frames.clear();
+        return stays([&] { return frames.isEmpty(); });
+    });
     w.view().setViewAxis(ViewAxis::Front);
     REQUIRE(w.view().cameraController().moving());
     waitFor([&] { return !frames.isEmpty(); });
