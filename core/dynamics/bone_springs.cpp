@@ -81,19 +81,11 @@ BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& ma
 
     for (int b = 0; b < bones; ++b) {
         const auto& bone = skeleton.bones[b];
-        const auto touch = [](Bend& bend, int point, double onParent, double onChild) {
-            int i = 0;
-            while (i < bend.count && bend.point[i] != point) ++i;
-            bend.count = std::max(bend.count, i + 1);
-            bend.point[i] = point;
-            bend.onParent[i] += onParent;
-            bend.onChild[i] += onChild;
-        };
         for (const int hinge : {bone.start, bone.end}) {
             Bend bend;
             bend.child = b;
             bend.hinge = hinge;
-            touch(bend, bone.start, 0, -1), touch(bend, bone.end, 0, 1);
+            bend.add(bone.start, 0, -1), bend.add(bone.end, 0, 1);
             bends_.push_back(bend);
         }
         if (tree_.parent[b] < 0) continue;
@@ -103,7 +95,7 @@ BoneSprings::BoneSprings(const Skeleton& skeleton, const std::vector<double>& ma
         const auto& parent = skeleton.bones[bend.parent];
         for (const int p : {bone.start, bone.end})
             if (p == parent.start || p == parent.end) bend.hinge = p;
-        touch(bend, parent.start, -1, 0), touch(bend, parent.end, 1, 0), touch(bend, bone.start, 0, -1), touch(bend, bone.end, 0, 1);
+        bend.add(parent.start, -1, 0), bend.add(parent.end, 1, 0), bend.add(bone.start, 0, -1), bend.add(bone.end, 0, 1);
         for (int i = 0; i < bend.count; ++i)
             for (int j = 0; j < i; ++j) pairs_.emplace_back(bend.point[i], bend.point[j]);
         bends_.push_back(bend);

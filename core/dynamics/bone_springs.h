@@ -68,15 +68,12 @@ private:
         double stiffness = 0.0, damping = 0.0;
     };
     // A spring on the bend angle between two bones.
-    struct Bend {
+    struct Bend : BendPoints {
         int parent = -1;  // bone; -1: against the direction of the kinematic pose, where the child starts at a held point
         int child = -1;   // bone
         int hinge = -1;   // common joint point
         bool active = false;
         SpringDamper spring;      // N m, N m s
-        int count = 0;
-        int point[4] = {};
-        double onParent[4] = {}, onChild[4] = {};  // -1 start, +1 end
     };
     struct MassMoments {  // of the free joint points of a part of a tree, about the root at rest
         double mass = 0.0, second = 0.0;  // kg, kg m^2

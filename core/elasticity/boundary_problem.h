@@ -71,8 +71,6 @@ public:
     };
     /// The same with the columns of loads after the k of `held`.
     Result<Solution> solve(const Eigen::MatrixXd& held, const Loads& loads, const Progress& progress);
-    /// With all body loads.
-    Result<Solution> solveWithLoads(const Eigen::MatrixXd& held, const Progress& progress) { return solve(held, Loads{true, nullptr}, progress); }
 
     [[nodiscard]] const std::vector<std::int32_t>& freeVertices() const;  ///< ascending
     [[nodiscard]] const SolveQuality& quality() const;

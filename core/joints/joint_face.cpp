@@ -116,6 +116,17 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
     return face;
 }
 
+/// The triangles whose corners lie within `tolerance` of a plane and that lean no farther from its normal; `always` among them, -1: none.
+std::vector<std::int32_t> trianglesInPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance, double cosine, std::int32_t always = -1) {
+    std::vector<std::int32_t> found;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
+        const auto near = [&](int c) { return std::abs(normal.dot(body.vertices.row(body.triangles(t, c)).transpose() - origin)) <= tolerance; };
+        const Vec3 twice = areaVector(body, t);
+        if (t == always || (near(0) && near(1) && near(2) && twice.dot(normal) >= cosine * twice.norm())) found.push_back(t);
+    }
+    return found;
+}
+
 }  // namespace
 
 Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance) {
@@ -124,31 +135,17 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
     if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
         return fail("bad-value", "The tolerance must be a finite number of at least 0.");
     const Vec3 n = normal.stableNormalized();
-    std::vector<std::int32_t> chosen;
-    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
-        bool inside = true;
-        for (int c = 0; c < 3 && inside; ++c) {
-            const Vec3 p = body.vertices.row(body.triangles(t, c));
-            inside = std::abs(n.dot(p - origin)) <= tolerance;
-        }
-        if (!inside) continue;
-        const Vec3 twice = areaVector(body, t);
-        if (twice.dot(n) >= kPlaneCosine * twice.norm()) chosen.push_back(t);
-    }
-    if (chosen.empty())
+    auto found = patches(body, trianglesInPlane(body, origin, n, tolerance, kPlaneCosine));
+    if (found.empty())
         return fail("no-patch",
                     "No triangle that faces along the normal lies in the plane; move the plane, turn its normal outward or raise "
                     "the tolerance.");
-    auto found = patches(body, chosen);
     const auto area = [&](const std::vector<std::int32_t>& patch) {
         double sum = 0.0;
         for (const std::int32_t t : patch) sum += areaVector(body, t).norm();
         return sum;
     };
-    std::size_t largest = 0;
-    for (std::size_t i = 1; i < found.size(); ++i)
-        if (area(found[i]) > area(found[largest])) largest = i;
-    return faceOf(body, std::move(found[largest]));
+    return faceOf(body, std::move(*std::max_element(found.begin(), found.end(), [&](const auto& a, const auto& b) { return area(a) < area(b); })));
 }
 
 Result<JointFace> jointFaceByTriangles(const TriangleMesh& body, std::vector<std::int32_t> triangles) {
@@ -197,17 +194,7 @@ Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, d
     const Vec3 origin = body.vertices.row(body.triangles(seed, 0));
     if (!(n.norm() > 0.5)) return fail("no-patch", "The triangle has no area; choose another one.");
     const double cosine = std::cos(std::clamp(angle, 0.0, std::numbers::pi));
-    std::vector<std::int32_t> chosen;
-    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
-        bool inside = true;
-        for (int c = 0; c < 3 && inside; ++c) {
-            const Vec3 p = body.vertices.row(body.triangles(t, c));
-            inside = std::abs(n.dot(p - origin)) <= tolerance;
-        }
-        const Vec3 twice = areaVector(body, t);
-        if (t == seed || (inside && twice.dot(n) >= cosine * twice.norm())) chosen.push_back(t);
-    }
-    for (auto& patch : patches(body, chosen))
+    for (auto& patch : patches(body, trianglesInPlane(body, origin, n, tolerance, cosine, seed)))
         if (std::binary_search(patch.begin(), patch.end(), seed)) return faceOf(body, std::move(patch));
     return fail("no-patch", "No flat region lies there.");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -19,6 +20,22 @@ struct BoneTree {
     /// +1 or -1: the sense in which a bone counts roll. Roll is one number per joint point, so that of a chain which leaves its
     /// root in two opposite directions one half counts it about the reversed bone.
     std::vector<double> rollSign;
+};
+
+/// The joint points of two bones that meet, each once, and how the vectors along the two change with them: -1 at its start, +1 at its end.
+struct BendPoints {
+    int count = 0;
+    int point[4] = {};
+    double onParent[4] = {}, onChild[4] = {};
+
+    void add(int to, double parent, double child) {
+        int i = 0;
+        while (i < count && point[i] != to) ++i;
+        count = std::max(count, i + 1);
+        point[i] = to;
+        onParent[i] += parent;
+        onChild[i] += child;
+    }
 };
 
 BoneTree boneTree(const Skeleton& skeleton);

@@ -72,15 +72,7 @@ RodEnergy::RodEnergy(const Skeleton& skeleton) : skeleton_(skeleton), tree_(bone
         bend.stiffness = bone.stiffness * kBendStiffness * 0.5 * (bone.length + parent.length);
         bend.limited = bone.limitsBend();
         if (bend.limited) bend.limit = 2.0 * std::tan(0.5 * bone.maxBend);
-        const auto touch = [&bend](int point, double onParent, double onChild) {
-            int i = 0;
-            while (i < bend.count && bend.point[i] != point) ++i;
-            bend.count = std::max(bend.count, i + 1);
-            bend.point[i] = point;
-            bend.onParent[i] += onParent;
-            bend.onChild[i] += onChild;
-        };
-        touch(parent.start, -1, 0), touch(parent.end, 1, 0), touch(bone.start, 0, -1), touch(bone.end, 0, 1);
+        bend.add(parent.start, -1, 0), bend.add(parent.end, 1, 0), bend.add(bone.start, 0, -1), bend.add(bone.end, 0, 1);
         for (int i = 0; i < bend.count; ++i)
             for (int j = 0; j < i; ++j) pairs_.emplace_back(bend.point[i], bend.point[j]);
         bends_.push_back(bend);

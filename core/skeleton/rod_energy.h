@@ -62,14 +62,11 @@ public:
 
 private:
     // Two neighbouring bones and the joint points they have between them.
-    struct Bend {
+    struct Bend : BendPoints {
         int parent = -1, child = -1;
         double stiffness = 0.0;
         double limit = 0.0;  // of the discrete curvature, 0 and not `limited`: none
         bool limited = false;
-        int count = 0;
-        int point[4] = {};
-        double onParent[4] = {}, onChild[4] = {};  // -1 start, +1 end
     };
     struct Tension {
         double force = 0.0, slope = 0.0, energy = 0.0;

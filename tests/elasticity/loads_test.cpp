@@ -57,7 +57,7 @@ Loaded load(const TriangleMesh& mesh, const std::vector<shapes::Patch>& patches,
     if (displacement)
         for (std::size_t i = 0; i < out.heldVertices.size(); ++i)
             held.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0) = displacement(mesh.vertices.row(out.heldVertices[i]).transpose());
-    auto solution = problem->solveWithLoads(held, {});
+    auto solution = problem->solve(held, BoundaryProblem::Loads{true, nullptr}, {});
     REQUIRE(solution);
     out.solution = std::move(*solution);
     out.freeVertices = problem->freeVertices();
