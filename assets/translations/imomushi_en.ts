@@ -56,6 +56,13 @@
             </translation>
         </message>
         <message numerus="yes">
+            <source>%n link(s) – change…</source>
+            <translation>
+                <numerusform>%n link – change…</numerusform>
+                <numerusform>%n links – change…</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>%n chosen bone(s) cannot stay: no cut works there.</source>
             <translation>
                 <numerusform>%n chosen bone cannot stay: no cut works there.</numerusform>

@@ -1278,6 +1278,10 @@
             <translation>触れ合わない部分を肉の管でつなぎました。</translation>
         </message>
         <message>
+            <source>A link that was asked for was not made: the two parts must face each other all around it, and touch nowhere else.</source>
+            <translation>求められたつなぎの一つは作られませんでした。二つの部分がその周り全体で向かい合い、ほかで触れていないことが必要です。</translation>
+        </message>
+        <message>
             <source>Parts without a motion of their own were left out of the body, which carries them.</source>
             <translation>自分では動かない部分をボディから外しました。ボディが運びます。</translation>
         </message>
@@ -2515,6 +2519,20 @@
         <message>
             <source>Import and make soft</source>
             <translation>読み込んで柔らかくする</translation>
+        </message>
+        <message>
+            <source>Flesh</source>
+            <translation>肉</translation>
+        </message>
+        <message>
+            <source>Links of flesh between parts that do not touch</source>
+            <translation>触れていない部分のあいだの肉のつなぎ</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n link(s) – change…</source>
+            <translation>
+                <numerusform>つなぎ %n 個 – 変える…</numerusform>
+            </translation>
         </message>
         <message>
             <source>%1 of %2 bones stay – choose…</source>
@@ -5173,6 +5191,49 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>About %1</source>
             <translation>%1 軸まわり</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::LinksDialog</name>
+        <message>
+            <source>Links of flesh</source>
+            <translation>肉のつなぎ</translation>
+        </message>
+        <message>
+            <source>A link is a tube of flesh between two parts that do not touch, so that the body hangs together. Without its link a small part is carried by the body, and a large one is an element of its own.</source>
+            <translation>つなぎは、触れていない二つの部分のあいだの肉の管です。これで体が一つにつながります。つなぎがないと、小さな部分は体が運び、大きな部分は独立した要素になります。</translation>
+        </message>
+        <message>
+            <source>Between</source>
+            <translation>どこの間</translation>
+        </message>
+        <message>
+            <source>Radius</source>
+            <translation>半径</translation>
+        </message>
+        <message>
+            <source>Volume</source>
+            <translation>体積</translation>
+        </message>
+        <message>
+            <source>%1 and %2</source>
+            <translation>%1 と %2</translation>
+        </message>
+        <message>
+            <source>not made</source>
+            <translation>作られなかった</translation>
+        </message>
+        <message>
+            <source>%1 %</source>
+            <translation>%1 %</translation>
+        </message>
+        <message>
+            <source>As found</source>
+            <translation>見つけたとおり</translation>
+        </message>
+        <message>
+            <source>Use these links</source>
+            <translation>このつなぎを使う</translation>
         </message>
     </context>
     <context>

@@ -114,7 +114,7 @@ std::optional<Body> withoutCrossings(const Body& body) {
     return out;
 }
 
-Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const PreparedSurface& prepared, const Progress& progress) {
+Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const PreparedSurface& prepared, const BodySetting& setting, const Progress& progress) {
     BodyBones moved;
     if (!bones.bone.empty()) {
         moved.parent = bones.parent;
@@ -122,7 +122,7 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
         for (std::size_t r = prepared.vertexOf.size(); r-- > 0;)  // of several at one place the first
             if (prepared.vertexOf[r] >= 0 && bones.bone[r] >= 0) moved.bone[at(prepared.vertexOf[r])] = bones.bone[r];
     }
-    IMOMUSHI_TRY(auto surface, mendedBody(prepared, moved, progress));
+    IMOMUSHI_TRY(auto surface, mendedBody(prepared, moved, setting.links, progress));
     Mended out;
     out.body.mesh = std::move(surface.mesh);
     if (!sound(out.body))
@@ -195,7 +195,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
     if (prepared.mesh.triangles.rows() == 0) return fail("no-volume", "The mesh has no triangle with an area: choose a file with a mesh.");
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
 
-    auto mended = mend(render, bones, prepared, progress.part(0.1, 0.2));
+    auto mended = mend(render, bones, prepared, setting, progress.part(0.1, 0.2));
     if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
     Result<Body> body = fail("no-volume", "");
     if (setting.how == BodyKind::Exact && !(mended && mended->exact)) {

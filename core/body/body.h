@@ -24,10 +24,21 @@ enum class BodyKind { Auto, Exact, Mended, Wrapped };
 /// "auto", "exact", "mended", "wrapped".
 std::string_view nameOf(BodyKind how);
 
+/// A tube of flesh that was made between two parts that do not touch, so that the body hangs together.
+struct FleshLink {
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< the middles of the places where the parts face each other, m
+    double radius = 0.0;                          ///< m
+    double volume = 0.0;                          ///< that it adds, m^3
+    bool operator==(const FleshLink&) const = default;
+};
+
 struct BodySetting {
     BodyKind how = BodyKind::Auto;
     double detail = 0.0;  ///< of a wrap: the radius of the ball that rolls over the surface, in diagonals of the render mesh, kFinestDetail...kCoarsestDetail;
                           ///< gaps narrower than its diameter are closed. 0: chosen from the gaps and limbs of the mesh, finer only where it needs to be
+    /// Of a mended body: the links of flesh that it gets, between the parts nearest to their ends, whatever their volume says; none: those that are found.
+    std::optional<std::vector<FleshLink>> links = std::nullopt;
+    bool operator==(const BodySetting&) const = default;
 };
 inline constexpr double kFinestDetail = 1e-3, kCoarsestDetail = 0.2;
 
@@ -36,13 +47,6 @@ struct ClosedGaps {
     double area = 0.0;              ///< of the walls, as a part of the whole surface
     double widest = 0.0, narrowest = 0.0;  ///< in diagonals
     std::vector<Vec3> places;       ///< in the middle of gaps, one for each group of places near each other, the largest group first; m
-};
-
-/// A tube of flesh that was made between two parts that do not touch, so that the body hangs together.
-struct FleshLink {
-    Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< the middles of the places where the parts face each other, m
-    double radius = 0.0;                          ///< m
-    double volume = 0.0;                          ///< that it adds, m^3
 };
 
 struct BodyReport {

@@ -10,9 +10,9 @@ namespace imomushi {
 
 constexpr BodyKind lastOf(BodyKind) { return BodyKind::Wrapped; }
 
-void members(auto& archive, BodySetting& s) { archive(s.how, s.detail); }
 void members(auto& archive, ClosedGaps& g) { archive(g.area, g.widest, g.narrowest, g.places); }
 void members(auto& archive, FleshLink& l) { archive(l.from, l.to, l.radius, l.volume); }
+void members(auto& archive, BodySetting& s) { archive(s.how, s.detail, s.links); }
 void members(auto& archive, BodyBones& b) { archive(b.bone, b.parent); }
 void members(auto& archive, BodyReport& r) { archive(r.how, r.distanceRms, r.distanceLargest, r.volumeError, r.gaps, r.links, r.detail, r.components, r.seconds, r.issues); }
 void members(auto& archive, Body& b) { archive(b.mesh, b.bodyVertex, b.report); }

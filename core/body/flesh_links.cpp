@@ -23,9 +23,9 @@
 namespace imomushi {
 namespace {
 
-// Distances in diagonals.
-constexpr double kLinked = 0.05;         ///< parts that are farther apart are linked only where their bones are neighbours,
-constexpr double kLinkedByBones = 0.15;  ///< and never beyond this
+// Distances over the size of all parts together.
+constexpr double kLinked = 0.065;       ///< parts that are farther apart are linked only where their bones are neighbours,
+constexpr double kLinkedByBones = 0.2;  ///< and never beyond this
 constexpr double kOtherBones = 4.0;     ///< parts of bones that are not neighbours count as this many times as far apart
 constexpr double kCarriedPart = 0.04;      ///< volume over that of the largest part: one without a motion of its own that is smaller is attached
 constexpr double kMostCarried = 0.1;    ///< volume of what is attached over that of all
@@ -93,7 +93,7 @@ bool related(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>
 
 }  // namespace
 
-Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress) {
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double size, const Progress& progress) {
     const std::size_t count = parts.size();
     Linking out;
     out.attached.assign(count, 0);
@@ -118,9 +118,9 @@ Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::in
     std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open;
     /// What a distance between two parts counts as; none: they are too far apart to be linked.
     const auto cost = [&](std::size_t a, std::size_t b, double distance) -> std::optional<double> {
-        if (distance > kLinkedByBones * diagonal) return std::nullopt;
+        if (distance > kLinkedByBones * size) return std::nullopt;
         const bool known = !bones[a].empty() && !bones[b].empty(), near = known && related(bones[a], bones[b], parents);
-        if (distance > (near ? kLinkedByBones : kLinked) * diagonal) return std::nullopt;
+        if (distance > (near ? kLinkedByBones : kLinked) * size) return std::nullopt;
         return known && !near ? kOtherBones * distance : distance;
     };
     for (std::size_t a = 0; a < count; ++a)
@@ -198,9 +198,10 @@ struct Crossing {
 
 class Facing {
 public:
-    Facing(const TriangleMesh& a, const TriangleMesh& b) : mesh_{&a, &b}, rays_{std::make_unique<RayTree>(a), std::make_unique<RayTree>(b)} {
+    /// Where the two are nearest to each other, or at `where`.
+    Facing(const TriangleMesh& a, const TriangleMesh& b, std::optional<Nearness> where = std::nullopt) : mesh_{&a, &b}, rays_{std::make_unique<RayTree>(a), std::make_unique<RayTree>(b)} {
         const TriangleTree treeA(a), treeB(b);
-        const Nearness near = nearness(a, treeA, b, treeB);
+        const Nearness near = where ? *where : nearness(a, treeA, b, treeB);
         distance_ = near.distance;
         const Bounds boxA = boundsOf(a.vertices), boxB = boundsOf(b.vertices);
         size_ = 0.5 * std::min(boxA.diagonal(), boxB.diagonal());
@@ -279,13 +280,8 @@ private:
     Eigen::Matrix<double, 3, 2> axes_;
 };
 
-}  // namespace
-
-std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, double part) {
-    const Facing facing(a, b);
-    const auto [center, disc] = facing.disc();
-    if (!(disc > 0.0)) return std::nullopt;
-    const double radius = part * disc;
+/// A tube around `center` in the plane between two parts; none where they do not face each other all around.
+std::optional<LinkTube> tubeAt(const Facing& facing, const Eigen::Vector2d& center, double radius) {
     std::vector<Eigen::Vector2d> ring;
     for (int i = 0; i < kTubeSides; ++i) {
         const double angle = kTubeTurned + 2.0 * std::numbers::pi * i / kTubeSides;
@@ -332,6 +328,18 @@ std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, d
     tube.link.to = facing.lifted(center, axis.in[1]);
     tube.link.radius = radius;
     return tube;
+}
+
+}  // namespace
+
+std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, double part) {
+    const Facing facing(a, b);
+    const auto [center, disc] = facing.disc();
+    return disc > 0.0 ? tubeAt(facing, center, part * disc) : std::nullopt;
+}
+
+std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, const FleshLink& asked) {
+    return tubeAt(Facing(a, b, Nearness{(asked.to - asked.from).norm(), asked.from, asked.to}), Eigen::Vector2d::Zero(), asked.radius);
 }
 
 }  // namespace imomushi

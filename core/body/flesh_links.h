@@ -28,8 +28,8 @@ struct Linking {
 };
 
 /// Which parts belong together: near ones, of them first those whose bones are the same or neighbours. A part at the end of a tree is attached where it is small, or where the
-/// bone that moves it moves more of another part (a backpack): it has no motion of its own. `together`: parts that touch have the same number. `parents`: of the bones, may be empty.
-Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double diagonal, const Progress& progress);
+/// bone that moves it moves more of another part (a backpack): it has no motion of its own. `together`: parts that touch have the same number. `parents`: of the bones, may be empty. `size`: of all parts together, m.
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double size, const Progress& progress);
 
 /// A tube of flesh between two parts that do not touch.
 struct LinkTube {
@@ -38,5 +38,7 @@ struct LinkTube {
 };
 /// None where the two do not face each other. `part`: radius over that of the disc in which they do.
 std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, double part);
+/// The same where a link was asked for, and as thick.
+std::optional<LinkTube> linkTube(const TriangleMesh& a, const TriangleMesh& b, const FleshLink& asked);
 
 }  // namespace imomushi

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -24,8 +25,8 @@
 namespace imomushi {
 namespace {
 
-/// A part that stands out less than this from the others, in diagonals, follows them where it is small or open.
-constexpr double kStandsOut = 0.03;
+/// A part that stands out less than this from the others, over the size of all, follows them where it is small or open.
+constexpr double kStandsOut = 0.04;
 /// Volume of a small part over that of all.
 constexpr double kSmall = 0.02;
 /// Volume of parts that touch no other over that of the largest, below which they are carried.
@@ -35,6 +36,18 @@ constexpr double kLinkRadii[] = {0.6, 0.3, 0.15};
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
 
+/// About the largest distance between two points: the same, but for rounding, however they are turned.
+double extentOf(const Points& points) {
+    double size = 0.0;
+    Vec3 from = points.colwise().mean();
+    for (int round = 0; round < 4; ++round) {
+        Eigen::Index farthest = 0;
+        const double far = std::sqrt((points.rowwise() - from.transpose()).rowwise().squaredNorm().maxCoeff(&farthest));
+        if (round > 0) size = std::max(size, far);
+        from = points.row(farthest).transpose();
+    }
+    return size;
+}
 
 /// Of some triangles, ascending.
 std::vector<std::int32_t> verticesOf(const TriangleMesh& mesh, const std::vector<std::int32_t>& triangles) {
@@ -150,7 +163,7 @@ void leaveOut(Sorted& sorted, std::size_t shell) {
 }
 
 /// Small closed parts on others, per shell.
-std::vector<char> findSmall(const TriangleMesh& mesh, double diagonal, const Sorted& sorted) {
+std::vector<char> findSmall(const TriangleMesh& mesh, double size, const Sorted& sorted) {
     double volume = 0.0;
     for (std::size_t i = 0; i < sorted.role.size(); ++i)
         if (sorted.role[i] == Role::Body) volume += std::abs(sorted.shells.shells[i].volume);
@@ -167,16 +180,16 @@ std::vector<char> findSmall(const TriangleMesh& mesh, double diagonal, const Sor
     }
     if (small.empty() || large.empty()) return found;
     const Standing standing(mesh, large);
-    for (const std::size_t i : small) found[i] = standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * diagonal) <= kStandsOut * diagonal;
+    for (const std::size_t i : small) found[i] = standing.of(mesh, sorted.shells.shells[i].triangles, kStandsOut * size) <= kStandsOut * size;
     return found;
 }
 
 /// Whether what encloses nothing may be left out.
-bool openPiecesFollow(const TriangleMesh& mesh, double diagonal, const Sorted& sorted, const std::vector<std::int32_t>& body) {
+bool openPiecesFollow(const TriangleMesh& mesh, double size, const Sorted& sorted, const std::vector<std::int32_t>& body) {
     const Standing standing(mesh, body);
     double little = 0.0;
     return std::all_of(sorted.openPieces.begin(), sorted.openPieces.end(), [&](const std::vector<std::int32_t>& piece) {
-        if (standing.of(mesh, piece, kStandsOut * diagonal) <= kStandsOut * diagonal) return true;
+        if (standing.of(mesh, piece, kStandsOut * size) <= kStandsOut * size) return true;
         little += areaOf(mesh, piece);
         return little <= kLittleArea * sorted.area;
     });
@@ -267,10 +280,10 @@ int eulerNumber(const TriangleMesh& mesh) {
     return static_cast<int>(mesh.vertices.rows()) - edges.size() + static_cast<int>(mesh.triangles.rows());
 }
 
-/// Two pieces of flesh that do not touch as one, by a tube between two parts of theirs. None where no tube joins them and does nothing else.
-std::optional<LinkTube> joinedByLink(const TriangleMesh& a, const TriangleMesh& b, const TriangleMesh& partA, const TriangleMesh& partB) {
-    for (const double radius : kLinkRadii) {
-        auto tube = linkTube(partA, partB, radius);
+/// Two pieces of flesh that do not touch as one, by a tube between two parts of theirs, `asked` or such as fits. None where no tube joins them and does nothing else.
+std::optional<LinkTube> joinedByLink(const TriangleMesh& a, const TriangleMesh& b, const TriangleMesh& partA, const TriangleMesh& partB, const FleshLink* asked) {
+    for (const double radius : std::span(kLinkRadii).first(asked ? 1 : std::size(kLinkRadii))) {
+        auto tube = asked ? linkTube(partA, partB, *asked) : linkTube(partA, partB, radius);
         if (!tube) return std::nullopt;
         const Attempt uniting("a link between two parts");
         if (!uniting) continue;
@@ -285,6 +298,20 @@ std::optional<LinkTube> joinedByLink(const TriangleMesh& a, const TriangleMesh& 
         return tube;
     }
     return std::nullopt;
+}
+
+/// The parts nearest to the ends of links.
+std::vector<std::pair<std::int32_t, std::int32_t>> endsOf(const std::vector<FleshLink>& links, const std::vector<FleshPart>& parts) {
+    std::vector<TriangleTree> trees;
+    for (const FleshPart& part : parts) trees.emplace_back(part.mesh);
+    const auto nearest = [&](const Vec3& place) {
+        std::vector<double> distance;
+        for (const TriangleTree& tree : trees) distance.push_back(tree.nearest(place).squaredDistance);
+        return static_cast<std::int32_t>(std::min_element(distance.begin(), distance.end()) - distance.begin());
+    };
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    for (const FleshLink& link : links) pairs.emplace_back(nearest(link.from), nearest(link.to));
+    return pairs;
 }
 
 /// Triangles of a union that are flatter than this lie between walls that were modelled in one place and differ by rounding: much flatter than any that were modelled.
@@ -311,9 +338,9 @@ TriangleMesh tidied(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const Progress& progress) {
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, const Progress& progress) {
     const TriangleMesh& mesh = surface.mesh;
-    const double diagonal = diagonalOf(mesh.vertices);
+    const double size = extentOf(mesh.vertices);
     Sorted sorted = sortSurfaces(mesh);
     const auto notMendable = [](const char* what) {
         return fail("not-mendable", std::string("The mesh cannot be closed as it is: ") + what + "; choose a wrapped body, or close it in a modelling program.");
@@ -321,7 +348,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
     std::vector<FleshPart> parts;
     std::vector<std::size_t> shellOf;  // of the parts
     {
-        const std::vector<char> small = findSmall(mesh, diagonal, sorted);
+        const std::vector<char> small = findSmall(mesh, size, sorted);
         for (std::size_t i = 0; i < sorted.role.size(); ++i) {
             if (sorted.role[i] != Role::Body) continue;
             const Shells::Shell& shell = sorted.shells.shells[i];
@@ -338,7 +365,9 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         UnionFind sets = touchingParts(parts, progress);
         for (std::size_t p = 0; p < parts.size(); ++p) together[p] = sets.find(static_cast<std::int32_t>(p));
     }
-    const Linking linking = planLinks(parts, together, bones.parent, diagonal, progress);
+    Linking linking = planLinks(parts, together, bones.parent, size, progress);
+    if (links) linking.pairs = endsOf(*links, parts);
+    for (const auto& [a, b] : linking.pairs) linking.attached[at(a)] = linking.attached[at(b)] = 0;
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     std::vector<std::int32_t> body;
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -349,7 +378,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
             body.insert(body.end(), shell.triangles.begin(), shell.triangles.end());
     }
     std::sort(body.begin(), body.end());
-    if (!sorted.openPieces.empty() && !openPiecesFollow(mesh, diagonal, sorted, body)) return notMendable("open parts of it stand out from the others");
+    if (!sorted.openPieces.empty() && !openPiecesFollow(mesh, size, sorted, body)) return notMendable("open parts of it stand out from the others");
 
     MendedSurface out;
     std::map<std::int32_t, std::vector<std::size_t>> groups;  // parts that touch
@@ -366,11 +395,14 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         pieces.emplace(first, std::move(*one));
     }
     UnionFind linked(parts.size());  // groups
-    for (const auto& [a, b] : linking.pairs) {
+    std::size_t refused = 0;  // of those that were asked for
+    for (std::size_t l = 0; l < linking.pairs.size(); ++l) {
         if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
+        const auto [a, b] = linking.pairs[l];
         const std::int32_t one = linked.find(together[at(a)]), other = linked.find(together[at(b)]);
-        if (one == other) continue;
-        auto link = joinedByLink(pieces.at(one), pieces.at(other), parts[at(a)].mesh, parts[at(b)].mesh);
+        std::optional<LinkTube> link;
+        if (one != other) link = joinedByLink(pieces.at(one), pieces.at(other), parts[at(a)].mesh, parts[at(b)].mesh, links ? &(*links)[l] : nullptr);
+        refused += links && !link;
         if (!link) continue;
         linked.unite(one, other);
         pieces.erase(std::max(one, other));
@@ -422,6 +454,8 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
     if (inside > 0) out.issues.push_back(note(Severity::Info, "inside", counted(inside, "part inside of another was", "parts inside of others were") + " left out; the flesh around carries them.", inside));
     if (!out.links.empty())
         out.issues.push_back(note(Severity::Info, "linked", counted(out.links.size(), "link of flesh was", "links of flesh were") + " made between parts that do not touch.", out.links.size()));
+    if (refused > 0)
+        out.issues.push_back(note(Severity::Warning, "link-refused", counted(refused, "link of flesh that was asked for was", "links of flesh that were asked for were") + " not made: the two parts must face each other all around it, and touch nowhere else; make it thinner, or leave it out.", refused));
     if (small > 0) out.issues.push_back(note(Severity::Info, "attached", counted(small, "part without a motion of its own was", "parts without a motion of their own were") + " left out of the flesh; the body carries them.", small));
     if (pieces.size() > 1)
         out.issues.push_back(note(Severity::Warning, "components", "The body consists of " + std::to_string(pieces.size()) + " parts that touch nowhere: give each a bone, or import them as separate elements.", pieces.size()));

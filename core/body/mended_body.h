@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -23,7 +24,7 @@ struct MendedSurface {
 
 /// A closed body of the closed surfaces of a prepared mesh: those that cross are united, those that do not touch are linked by tubes of flesh (planLinks()), those inside of
 /// others and those that the others carry left out; a surface inside another that faces the other way is a cavity and stays. Errors: "not-mendable" (what is open, or crosses itself, matters), "cancelled".
-/// `bones`: of the vertices of `surface`.
-Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const Progress& progress);
+/// `bones`: of the vertices of `surface`. `links`: as BodySetting has them.
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, const Progress& progress);
 
 }  // namespace imomushi

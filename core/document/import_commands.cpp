@@ -59,6 +59,20 @@ Result<Json> importElement(DocumentEdit& edit, const Json& arguments, const Prog
     return answer;
 }
 
+/// "links" as bodyJson() tells them.
+Result<std::vector<FleshLink>> linksFrom(const Json& given) {
+    std::vector<FleshLink> links;
+    for (const Json& line : given) {
+        const auto end = [&](const char* key) { return line.is_object() && line.contains(key) ? vector3(line[key]) : std::nullopt; };
+        const auto from = end("from"), to = end("to");
+        if (!from || !to || !line.contains("radius")) return fail("bad-type", "Each of \"links\" needs \"from\" and \"to\", three numbers each, and \"radius\".");
+        FleshLink link{*from, *to};
+        IMOMUSHI_TRY(link.radius, numberWithin(line["radius"], "radius", 0.0, kMaxCoordinate));
+        links.push_back(link);
+    }
+    return links;
+}
+
 Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress& progress) {
     Document& document = edit.document;
     IMOMUSHI_TRY(const auto request, importRequestFrom(document, arguments));
@@ -67,6 +81,9 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     IMOMUSHI_TRY(const auto how, choiceFrom<Kind>(arguments, "body", {{"auto", BodyKind::Auto}, {"exact", BodyKind::Exact}, {"mended", BodyKind::Mended}, {"wrapped", BodyKind::Wrapped}, {"unmended", Kind()}}, Kind(BodyKind::Auto)));
     setting.how = how.value_or(BodyKind::Wrapped);
     if (auto ok = readNumber(arguments, "detail", kFinestDetail, kCoarsestDetail, setting.detail); !ok) return tl::unexpected(ok.error());
+    if (const Json* links = find(arguments, "links")) {
+        IMOMUSHI_TRY(setting.links, linksFrom(*links));
+    }
     IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress.part(0.0, 0.3)));
     if (imported.renderModel.mesh.body.triangles.rows() == 0) return fail("empty-mesh", "\"" + request.path.string() + "\" holds no surface.");
     std::vector<MeshIssue> found;  // to be mended later, if anything is
@@ -120,10 +137,10 @@ Json issueJson(const MeshIssue& issue) {
 
 Json bodyJson(const Body& body) {
     const BodyReport& report = body.report;
-    Json gaps{{"area", report.gaps.area}, {"narrowest", report.gaps.narrowest}, {"widest", report.gaps.widest}, {"places", Json::array()}};
-    for (const Vec3& place : report.gaps.places) gaps["places"].push_back(json(place));
     Json links = Json::array();
     for (const FleshLink& link : report.links) links.push_back({{"from", json(link.from)}, {"to", json(link.to)}, {"radius", link.radius}, {"volume", link.volume}});
+    Json gaps{{"area", report.gaps.area}, {"narrowest", report.gaps.narrowest}, {"widest", report.gaps.widest}, {"places", Json::array()}};
+    for (const Vec3& place : report.gaps.places) gaps["places"].push_back(json(place));
     return Json{{"how", nameOf(report.how)},
                 {"vertices", body.mesh.vertices.rows()},
                 {"triangles", body.mesh.triangles.rows()},
@@ -176,7 +193,10 @@ void addImportCommands(CommandRegistry& registry) {
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},
                         {"up", Type::Text, false, "\"y\" or \"z\": the axis of the file that points up (its own unless given; y where it has none)."},
                         {"body", Type::Text, false, "\"exact\": the mesh itself, \"mended\": with holes closed and parts united, \"wrapped\": a new surface around it, \"auto\": the first that works (unless given); \"unmended\": wrapped, until the command repair has mended what is wrong with the mesh."},
-                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh: gaps narrower than twice this are closed (0.001 to 0.2; chosen from the mesh unless given)."}},
+                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh: gaps narrower than twice this are closed (0.001 to 0.2; chosen from the mesh unless given)."},
+                        {"links", Type::Array, false,
+                         "Of a mended body: the links of flesh between parts that do not touch, as an import answers with them in \"body\", with links changed, dropped or added: each {\"from\", \"to\" "
+                         "(places on two parts), \"radius\"} in metres (those that are found unless given)."}},
                        importCharacterCommand);
 }
 

@@ -198,7 +198,7 @@ private:
 /// The character that is meant, imported if it is a file. Fills "imported" of the answer. Errors: those of import-character, "already-cut".
 Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& answer, const Progress& progress) {
     if (const Json* name = find(arguments, "character")) {
-        for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
+        for (const char* key : {"path", "name", "unit", "up", "body", "detail", "links"})
             if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" goes with a file, not with a character that is there.");
         IMOMUSHI_TRY(const auto character, characterOf(access.document(), name->get_ref<const std::string&>()));
         const auto elements = access.document().elementsOf(character->id);
@@ -212,7 +212,7 @@ Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& 
     }
     if (!arguments.contains("path")) return fail("missing-key", "\"make-soft\" needs the key \"path\" or \"character\".");
     Json line{{"do", "import-character"}};
-    for (const char* key : {"path", "name", "unit", "up", "body", "detail"})
+    for (const char* key : {"path", "name", "unit", "up", "body", "detail", "links"})
         if (const Json* value = find(arguments, key)) line[key] = *value;
     IMOMUSHI_TRY(answer, access.execute(line, progress));
     return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
@@ -339,7 +339,8 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"unit", Type::Text, false, "The unit of the file."},
                         {"up", Type::Text, false, "The axis of the file that points up."},
                         {"body", Type::Text, false, "How its body is made."},
-                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh (0.001 to 0.2)."}},
+                        {"detail", Type::Number, false, "Of a wrap, in diagonals of the mesh (0.001 to 0.2)."},
+                        {"links", Type::Array, false, "Links of flesh, as in import-character."}},
                        makeSoft);
 }
 

@@ -34,8 +34,8 @@ struct Scene {
         bones.bone.resize(static_cast<std::size_t>(mesh.vertices.rows()), bone);
         volume += meshFacts(part).volume;
     }
-    Body body() const {
-        auto made = makeBody(mesh, {}, {}, {}, bones.parent.empty() ? BodyBones() : bones);
+    Body body(const BodySetting& setting = {}) const {
+        auto made = makeBody(mesh, {}, setting, {}, bones.parent.empty() ? BodyBones() : bones);
         REQUIRE_MESSAGE(made.has_value(), made.error().message);
         const MeshFacts facts = meshFacts(made->mesh);
         CHECK(facts.closed);
@@ -118,4 +118,39 @@ TEST_CASE("links: a part that nothing faces stays apart, and the body says of ho
     CHECK(body.report.components == 2);
     CHECK(body.report.links.empty());
     CHECK(std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "components" && issue.severity == Severity::Warning; }));
+}
+
+TEST_CASE("links: those that were asked for are made as they were asked for, others are not, and what cannot be made is said") {
+    Scene scene;
+    for (const double x : {0.0, 1.1, 2.2}) scene.add(box({x, 0, 0}, {x + 1.0, 1, 1}));
+    const std::vector<FleshLink> found = scene.body().report.links;
+    REQUIRE(found.size() == 2);
+
+    // As they were found, they are made again.
+    const Body same = scene.body({.links = found});
+    REQUIRE(same.report.links.size() == 2);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(same.report.links[i].radius == found[i].radius);
+        CHECK((same.report.links[i].from - found[i].from).norm() < 1e-6);
+        CHECK(same.report.links[i].volume == doctest::Approx(found[i].volume).epsilon(1e-3));
+    }
+
+    // A thinner one elsewhere, which adds the volume of a prism of 16 sides.
+    const FleshLink thin{{1.0, 0.7, 0.3}, {1.1, 0.7, 0.3}, 0.1};
+    const Body one = scene.body({.links = {{thin}}});
+    REQUIRE(one.report.links.size() == 1);
+    CHECK((one.report.links[0].from - thin.from).norm() < 1e-6);
+    CHECK(one.report.links[0].volume == doctest::Approx(0.5 * 16 * std::sin(2.0 * std::numbers::pi / 16) * 0.01 * 0.1).epsilon(1e-6));
+    CHECK(one.report.components == 2);  // nothing links the third box, which is large
+
+    const auto refused = [](const Body& body) { return std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "link-refused"; }); };
+    CHECK_FALSE(refused(one));
+    // Wider than the boxes, over their rim; and none at all.
+    for (const FleshLink& bad : {FleshLink{{1.0, 0.5, 0.5}, {1.1, 0.5, 0.5}, 0.6}, FleshLink{{1.0, 0.05, 0.5}, {1.1, 0.05, 0.5}, 0.1}}) {
+        auto made = makeBody(scene.mesh, {}, {.links = {{thin, bad}}}, {});
+        REQUIRE(made);
+        CHECK(made->report.links.size() == 1);
+        CHECK(refused(*made));
+    }
+    CHECK(scene.body({.links = {{}}}).report.components == 3);
 }

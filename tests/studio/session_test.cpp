@@ -10,6 +10,7 @@
 #include "tests/studio/window.h"
 #include "tests/support/left_out.h"
 #include "ui/dialogs/bones_dialog.h"
+#include "ui/dialogs/links_dialog.h"
 #include "ui/dialogs/clips_dialog.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/scene/cut_frame.h"
@@ -216,6 +217,47 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     w.trigger("undo");
     CHECK(w.now().elements.empty());
     CHECK(w.now().bones.empty());
+}
+
+TEST_CASE("studio: the links of flesh of a robot are looked at before it is imported, one is made thinner and one left out") {
+    Window w;
+    w.window().files().import({QStringLiteral(IMOMUSHI_TEST_DATA "/characters/robot.glb")});
+    auto* dialog = w.window().findChild<ImportDialog*>();
+    REQUIRE(dialog);
+    auto* import = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
+    waitFor([&] { return import->isEnabled(); });
+    w.settle();
+    auto* choose = dialog->findChild<QPushButton*>(QStringLiteral("chooseLinks"));
+    REQUIRE(choose->isVisible());
+    w.shoot("links-import");
+    const std::vector<FleshLink> found = (*dialog->preparedCharacter()->body)->report.links;
+    REQUIRE(found.size() > 2);
+    whenModal<LinksDialog>([&](LinksDialog* links) {
+        w.shoot("links-dialog");
+        CHECK(cutOff(*links) == "");
+        CHECK(links->chosen()->size() == found.size());
+        links->findChild<QTreeWidget*>()->topLevelItem(0)->setCheckState(0, Qt::Unchecked);
+        auto* radius = links->findChildren<NumberField*>().at(1);
+        radius->setFocus();
+        radius->selectAll();
+        QTest::keyClicks(radius, QString::number(0.8 * found[1].radius));
+        QTest::keyClick(radius, Qt::Key_Tab);
+        QTest::mouseClick(links->findChild<QPushButton*>(QStringLiteral("useLinks")), Qt::LeftButton);
+    });
+    QTest::mouseClick(choose, Qt::LeftButton);
+    waitFor([&] { return import->isEnabled(); });
+    REQUIRE(dialog->command().contains("links"));
+    CHECK(dialog->command().at("links").size() == found.size() - 1);
+    w.shoot("links-changed");
+    QTest::mouseClick(import, Qt::LeftButton);
+    waitFor([&] { return !w.window().steps().running(); });
+    w.cameraStands();
+    w.activate();
+    REQUIRE(w.now().characters.size() == 1);
+    const std::vector<FleshLink>& made = w.now().characters.begin()->second->body->report.links;
+    REQUIRE(made.size() == found.size() - 1);
+    CHECK(made[0].radius == doctest::Approx(0.8 * found[1].radius).epsilon(0.01));
+    CHECK(made[1].radius == found[2].radius);
 }
 
 TEST_CASE("studio: a rigged file becomes soft by the bones that are chosen, its clips become takes, and another skeleton takes its place") {

@@ -20,6 +20,7 @@
 #include "core/document/character_repair.h"
 #include "core/mesh/flat_region.h"
 #include "ui/dialogs/bones_dialog.h"
+#include "ui/dialogs/links_dialog.h"
 #include "ui/dialogs/mesh_preview.h"
 #include "ui/jobs/character_job.h"
 #include "ui/jobs/import_job.h"
@@ -100,6 +101,10 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     bones_ = named(new QPushButton(this), "chooseBones");
     bones_->setAutoDefault(false);
     bones_->setAccessibleName(tr("Bones of the skeleton that stay"));
+    linksLabel_ = new QLabel(tr("Flesh"), this);
+    links_ = named(new QPushButton(this), "chooseLinks");
+    links_->setAutoDefault(false);
+    links_->setAccessibleName(tr("Links of flesh between parts that do not touch"));
     sizeQuestion_ = named(new QFrame(this), "card");
     sizeText_ = new QLabel(sizeQuestion_);
     sizeText_->setWordWrap(true);
@@ -111,6 +116,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     connect(takeUnit_, &QPushButton::clicked, this, [this] { answerSize(true); });
     connect(keepSize_, &QPushButton::clicked, this, [this] { answerSize(false); });
     connect(bones_, &QPushButton::clicked, this, &ImportDialog::chooseBones);
+    connect(links_, &QPushButton::clicked, this, &ImportDialog::chooseLinks);
     facts_ = new QLabel(this);
     facts_->setTextFormat(Qt::PlainText);
     verdict_ = new QLabel(this);
@@ -144,7 +150,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     form->add(tr("Up axis"), up_);
     form->add(split_);
     form->add(soft_);
-    for (auto [label, field] : {std::pair<QLabel*, QWidget*>{bodyLabel_, body_}, {detailLabel_, detail_}, {bonesLabel_, bones_}}) {
+    for (auto [label, field] : {std::pair<QLabel*, QWidget*>{bodyLabel_, body_}, {detailLabel_, detail_}, {bonesLabel_, bones_}, {linksLabel_, links_}}) {
         label->setProperty("role", "muted");
         label->setBuddy(field);
         form->addRow(label, field);
@@ -178,6 +184,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     resize(px(960), px(660));
 
     connect(unit_, &QComboBox::activated, this, [this] { unitOfAnswer_ = false; });
+    for (QComboBox* box : {unit_, up_}) connect(box, &QComboBox::activated, this, [this] { askedLinks_.reset(); });
     for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
     for (QCheckBox* box : {split_, soft_}) connect(box, &QCheckBox::toggled, this, &ImportDialog::read);
     connect(kinds, &QButtonGroup::idClicked, this, [this] {
@@ -237,7 +244,7 @@ bool ImportDialog::unmended() const { return body_->currentIndex() == kUnmended;
 
 BodySetting ImportDialog::body() const {
     const double detail = kDetails[std::size_t(detail_->currentIndex())];
-    return {kBodies[std::size_t(body_->currentIndex())], unmended() && detail == 0.0 ? kPassingDetail : detail};
+    return {kBodies[std::size_t(body_->currentIndex())], unmended() && detail == 0.0 ? kPassingDetail : detail, askedLinks_};
 }
 
 void ImportDialog::choose(bool whole) {
@@ -245,7 +252,7 @@ void ImportDialog::choose(bool whole) {
     split_->setVisible(!whole);
     for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
     soft_->setVisible(whole && replaced_.empty());
-    for (QWidget* field : std::initializer_list<QWidget*>{bonesLabel_, bones_}) field->hide();
+    for (QWidget* field : std::initializer_list<QWidget*>{bonesLabel_, bones_, linksLabel_, links_}) field->hide();
     read();
 }
 
@@ -255,7 +262,7 @@ void ImportDialog::read() {
     soft_->setEnabled(!unmended());
     detailLabel_->setEnabled(wraps);
     detail_->setEnabled(wraps);
-    for (QWidget* field : std::initializer_list<QWidget*>{sizeQuestion_, bonesLabel_, bones_}) field->hide();
+    for (QWidget* field : std::initializer_list<QWidget*>{sizeQuestion_, bonesLabel_, bones_, linksLabel_, links_}) field->hide();
     progress_->setValue(0);
     progress_->setVisible(true);
     stage_->setVisible(true);
@@ -373,6 +380,10 @@ void ImportDialog::showCharacter() {
     lines << tr("%1 vertices, %2 triangles").arg(locale.toString(qlonglong(mesh.vertices.rows())), locale.toString(qlonglong(mesh.triangles.rows())));
     if (file.renderModel.parts.size() > 1) lines << tr("%n separate part(s)", nullptr, int(file.renderModel.parts.size()));
     if (body) lines << bodyLines(*body);
+    if (body && replaced_.empty() && (askedLinks_ || !body->report.links.empty())) {
+        links_->setText(tr("%n link(s) – change…", nullptr, int(body->report.links.size())));
+        for (QWidget* field : std::initializer_list<QWidget*>{linksLabel_, links_}) field->show();
+    }
     if (proposal) {
         QStringList parts;
         if (const int n = int(proposal->cuts.size()); n > 0) parts << tr("%n cut(s)", nullptr, n);
@@ -412,6 +423,7 @@ void ImportDialog::answerSize(bool takeUnit) {
     rememberSize(path_, takeUnit ? QString::fromStdString(doubt_->unit) : QString());
     sizeQuestion_->hide();
     if (!takeUnit) return import_->setFocus();
+    askedLinks_.reset();
     unit_->setCurrentIndex(doubt_->unit == "cm" ? int(Unit::Centimetre) : int(Unit::Millimetre));
     unitOfAnswer_ = true;
     read();
@@ -426,8 +438,17 @@ void ImportDialog::chooseBones() {
     read();
 }
 
+void ImportDialog::chooseLinks() {
+    const PreparedCharacter& made = *character_->result();
+    LinksDialog dialog(**made.file, **made.body, askedLinks_, this);
+    if (dialog.exec() != QDialog::Accepted) return;
+    askedLinks_ = dialog.chosen();
+    read();
+}
+
 Json ImportDialog::command() const {
     commands::Import import;
+    import.links = askedLinks_;
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];

@@ -54,6 +54,7 @@ private:
     void showCharacter();
     [[nodiscard]] bool soft() const;  ///< it is to be made soft at once
     void chooseBones();
+    void chooseLinks();
     /// Asks about a size that cannot be meant, once for each file.
     void askAboutSize(const std::optional<SizeDoubt>& doubt);
     void answerSize(bool takeUnit);
@@ -82,6 +83,9 @@ private:
     QComboBox* detail_;
     QLabel* bonesLabel_;
     QPushButton* bones_;
+    QLabel* linksLabel_;
+    QPushButton* links_;
+    std::optional<std::vector<FleshLink>> askedLinks_;  // m: as found in a file of another unit they mean nothing
     QFrame* sizeQuestion_;
     QLabel* sizeText_;
     QPushButton *takeUnit_, *keepSize_;

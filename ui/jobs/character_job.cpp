@@ -17,7 +17,7 @@ void usePrepared(Session& session, const std::shared_ptr<const PreparedCharacter
         return made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
     });
     session.setBodyMaker([made](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
-        if (made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
+        if (made->body && made->setting == setting) return *made->body;
         return makeBody(model, rig, setting, progress);
     });
     session.setProposer([made](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
@@ -27,7 +27,7 @@ void usePrepared(Session& session, const std::shared_ptr<const PreparedCharacter
 
 void CharacterJob::start(const ImportRequest& request, const BodySetting& setting, const std::optional<ProposalRequest>& proposal) {
     const auto known = result_ && result_->file && *result_->file && sameFile(result_->request, request) ? result_->file : nullptr;
-    const auto sameBody = known && result_->body && result_->setting.how == setting.how && result_->setting.detail == setting.detail ? result_->body : nullptr;
+    const auto sameBody = known && result_->body && result_->setting == setting ? result_->body : nullptr;
     const auto sameProposal = sameBody && proposal && result_->asked == proposal ? result_->proposal : nullptr;
     auto box = std::make_shared<PreparedCharacter>(PreparedCharacter{request, setting, known, sameBody, proposal, sameProposal});
     launch(

@@ -5,7 +5,7 @@ namespace imomushi {
 
 bool MadeBody::isOf(const RenderModel& model, const BodySetting& asked) const {
     const TriangleMesh& mesh = model.mesh.body;
-    return setting.how == asked.how && setting.detail == asked.detail && mesh.vertices.rows() == vertices.rows() && mesh.triangles.rows() == triangles.rows() &&
+    return setting == asked && mesh.vertices.rows() == vertices.rows() && mesh.triangles.rows() == triangles.rows() &&
            mesh.vertices == vertices && mesh.triangles == triangles;
 }
 

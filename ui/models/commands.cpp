@@ -35,6 +35,8 @@ Json characterCommand(const char* name, const Import& import, const std::string&
     Json command = importCommand(name, import);
     if (!body.empty()) command["body"] = body;
     add(command, "detail", detail);
+    if (import.links) command["links"] = Json::array();
+    for (const FleshLink& link : import.links.value_or(std::vector<FleshLink>())) command["links"].push_back({{"from", vector(link.from)}, {"to", vector(link.to)}, {"radius", link.radius}});
     return command;
 }
 

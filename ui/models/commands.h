@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/body/body.h"
 #include "core/document/command.h"
 #include "core/document/effects.h"
 
@@ -43,6 +44,7 @@ struct Import {
     std::string path;
     std::string unit, up;  ///< empty: as the file says
     bool split = false;    ///< an element for each separate part
+    std::optional<std::vector<FleshLink>> links = std::nullopt;  ///< of a body that is mended; none: as found
 };
 Json importElement(const Import& import);
 /// `body`: "auto", "exact", "mended", "wrapped" or "unmended", empty: auto. `detail`: of a wrap, in diagonals.

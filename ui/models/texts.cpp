@@ -236,6 +236,7 @@ const std::map<std::string, const char*> kIssues = {
     {"differs", QT_TRANSLATE_NOOP("Issues", "The body is not quite the mesh. Choose another way to make it, or repair the mesh.")},
     {"untangled", QT_TRANSLATE_NOOP("Issues", "The surface crosses itself. The body has other triangles there.")},
     {"linked", QT_TRANSLATE_NOOP("Issues", "Parts that do not touch were linked by tubes of flesh.")},
+    {"link-refused", QT_TRANSLATE_NOOP("Issues", "A link that was asked for was not made: the two parts must face each other all around it, and touch nowhere else.")},
     {"attached", QT_TRANSLATE_NOOP("Issues", "Parts without a motion of their own were left out of the body, which carries them.")},
     {"open-part", QT_TRANSLATE_NOOP("Issues", "Open parts were left out of the body, which carries them.")},
     {"inner-wall", QT_TRANSLATE_NOOP("Issues", "Walls inside of the flesh were left out of the body.")},

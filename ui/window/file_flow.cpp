@@ -82,7 +82,7 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
     // Asked for right after the file, by the same command.
     document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
-        if (made && made->body && made->setting.how == setting.how && made->setting.detail == setting.detail) return *made->body;
+        if (made && made->body && made->setting == setting) return *made->body;
         for (const MadeBody& ready : prepared->bodies)
             if (ready.isOf(model, setting)) return ready.body;
         return makeBody(model, rig, setting, progress);
