@@ -26,13 +26,15 @@ namespace imomushi {
 namespace {
 
 /// A part that stands out less than this from the others, over the size of all, follows them where it is small or open.
-constexpr double kStandsOut = 0.04;
+constexpr double kStandsOut = 0.03;
 /// Volume of a small part over that of all.
 constexpr double kSmall = 0.02;
 /// Volume of parts that touch no other over that of the largest, below which they are carried.
 constexpr double kApart = 0.1;
 /// Radii of tubes between parts that do not touch, over those of the discs in which they face each other: one after the other is tried.
 constexpr double kLinkRadii[] = {0.6, 0.3, 0.15};
+/// By so much a part is swollen that lies on another: one after the other is tried.
+constexpr double kSwollen[] = {1e-4, 1e-3};
 /// Open parts of less area than this, over that of all, are left out wherever they are: whiskers, feathers.
 constexpr double kLittleArea = 0.01;
 
@@ -229,17 +231,39 @@ TriangleMesh separated(TriangleMesh mesh) {
     return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
 }
 
-/// The union of two parts; of which those that cross themselves are untangled first, where it fails otherwise.
-std::optional<TriangleMesh> unitedOrUntangled(const TriangleMesh& a, const TriangleMesh& b) {
+/// The union of two parts, closed, with edges and vertices of its own for each side, and hanging together.
+std::optional<TriangleMesh> wholeUnion(const TriangleMesh& a, const TriangleMesh& b) {
+    auto both = unite(a, b);
+    if (!both) return std::nullopt;
+    *both = separated(std::move(*both));
+    const MeshFacts facts = meshFacts(*both);
+    return facts.closed && facts.components < meshFacts(a).components + meshFacts(b).components ? both : std::nullopt;
+}
+
+/// A part a little larger.
+TriangleMesh swollen(TriangleMesh mesh, double by) {
+    const Bounds box = boundsOf(mesh.vertices);
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    mesh.vertices = ((mesh.vertices.rowwise() - middle.transpose()) * (1.0 + by)).rowwise() + middle.transpose();
+    return mesh;
+}
+
+/// The union of two parts. Walls that lie on each other but for rounding have none: then one of the parts is swollen. Parts that cross themselves are untangled.
+std::optional<TriangleMesh> unitedSomehow(const TriangleMesh& a, const TriangleMesh& b) {
     {
         const Attempt uniting("a union of two parts");
         if (uniting)
-            if (auto both = unite(a, b)) return both;
+            if (auto both = wholeUnion(a, b)) return both;
+    }
+    for (const double by : kSwollen) {
+        const Attempt swelling("a union of two parts that lie on each other");
+        if (swelling)
+            if (auto both = wholeUnion(a, swollen(b, by))) return both;
     }
     const Attempt untangling("a union of two parts without their crossings with themselves");
     if (!untangling) return std::nullopt;
     const auto cleanA = untangled(a), cleanB = untangled(b);
-    return cleanA && cleanB ? unite(*cleanA, *cleanB) : std::nullopt;
+    return cleanA && cleanB ? wholeUnion(*cleanA, *cleanB) : std::nullopt;
 }
 
 /// Bodies that touch each other as one. Each joins after one that it touches: whether it meets what the others have become need not be asked, which takes long for many parts.
@@ -265,9 +289,9 @@ std::optional<TriangleMesh> united(const std::vector<TriangleMesh>& bodies, std:
         if (progress.cancelled()) return std::nullopt;
         const auto next = std::find_if(left.begin(), left.end(), [&](std::size_t b) { return std::any_of(joined.begin(), joined.end(), [&](std::size_t a) { return meet(a, b); }); });
         if (next == left.end()) break;
-        std::optional<TriangleMesh> both = unitedOrUntangled(whole, bodies[*next]);
+        std::optional<TriangleMesh> both = unitedSomehow(whole, bodies[*next]);
         if (!both) return std::nullopt;
-        whole = separated(std::move(*both));
+        whole = std::move(*both);
         joined.push_back(*next);
         left.erase(next);
         ++unions;

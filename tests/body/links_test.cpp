@@ -154,3 +154,21 @@ TEST_CASE("links: those that were asked for are made as they were asked for, oth
     }
     CHECK(scene.body({.links = {{}}}).report.components == 3);
 }
+
+TEST_CASE("links: parts that lie on each other are one, however they are turned") {
+    // Of a file in single precision walls that were modelled in one plane cross at the last bit.
+    for (int k = 0; k < 24; ++k) {
+        CAPTURE(k);
+        Scene scene;
+        const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.1 + 0.25 * k, Vec3(1.0, 0.3 * k, -0.5).normalized()).toRotationMatrix();
+        for (TriangleMesh part : {box({-0.2, 0, -0.2}, {0.2, 0.4, 0.2}), box({-0.05, 0.4, -0.05}, {0.05, 0.6, 0.05})}) {
+            part.vertices = (part.vertices * turn.transpose()).cast<float>().cast<double>();
+            scene.add(part);
+        }
+        const Body body = scene.body();
+        CHECK(body.report.how == BodyKind::Mended);
+        CHECK(body.report.components == 1);
+        CHECK(meshFacts(body.mesh).volume == doctest::Approx(scene.volume).epsilon(0.02));
+        CHECK(body.report.distanceRms < 0.01);
+    }
+}

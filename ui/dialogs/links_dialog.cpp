@@ -18,7 +18,7 @@
 namespace imomushi {
 namespace {
 
-enum Column { kBetween, kRadius, kVolume, kColumns };
+enum LinkColumn { kBetween, kLinkRadius, kLinkVolume, kLinkColumns };
 
 /// What lies at a place: the bone that moves it most, or the part of the file.
 QString nameAt(const CharacterFile& file, const TriangleTree& tree, const Vec3& place) {
@@ -43,7 +43,7 @@ LinksDialog::LinksDialog(const CharacterFile& file, const Body& body, const std:
     text->setWordWrap(true);
     tree_ = new QTreeWidget(this);
     tree_->setAccessibleName(windowTitle());
-    tree_->setColumnCount(kColumns);
+    tree_->setColumnCount(kLinkColumns);
     tree_->setHeaderLabels({tr("Between"), tr("Radius"), tr("Volume")});
     tree_->setRootIsDecorated(false);
     tree_->header()->setStretchLastSection(false);
@@ -56,8 +56,8 @@ LinksDialog::LinksDialog(const CharacterFile& file, const Body& body, const std:
         item->setText(kBetween, tr("%1 and %2").arg(nameAt(file, surface, link.from), nameAt(file, surface, link.to)));
         item->setCheckState(kBetween, Qt::Checked);
         const auto made = std::find_if(body.report.links.begin(), body.report.links.end(), [&](const FleshLink& of) { return (of.from - link.from).norm() < link.radius; });
-        item->setText(kVolume, made == body.report.links.end() ? tr("not made") : tr("%1 %").arg(locale.toString(100.0 * made->volume / whole, 'g', 2)));
-        item->setTextAlignment(kVolume, Qt::AlignRight | Qt::AlignVCenter);
+        item->setText(kLinkVolume, made == body.report.links.end() ? tr("not made") : tr("%1 %").arg(locale.toString(100.0 * made->volume / whole, 'g', 2)));
+        item->setTextAlignment(kLinkVolume, Qt::AlignRight | Qt::AlignVCenter);
         NumberField::Spec spec;
         spec.unit = QStringLiteral("m");
         spec.low = 0.1 * link.radius;
@@ -68,12 +68,12 @@ LinksDialog::LinksDialog(const CharacterFile& file, const Body& body, const std:
         auto* radius = new NumberField(spec, tree_);
         radius->setAccessibleName(tr("Radius"));
         radius->setValue(link.radius);
-        tree_->setItemWidget(item, kRadius, radius);
+        tree_->setItemWidget(item, kLinkRadius, radius);
         radii_.push_back(radius);
         link.volume = 0.0;
     }
-    tree_->setColumnWidth(kRadius, px(120));
-    tree_->setColumnWidth(kVolume, px(90));
+    tree_->setColumnWidth(kLinkRadius, px(120));
+    tree_->setColumnWidth(kLinkVolume, px(90));
 
     auto* reset = named(new QPushButton(tr("As found"), this), "asFound");
     reset->setAutoDefault(false);
