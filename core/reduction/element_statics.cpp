@@ -203,10 +203,13 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
     for (std::size_t f = 0; f < input.faces.size(); ++f)
         if (faceDisplacement[f].rows() != static_cast<Eigen::Index>(input.faces[f].vertices.size()))
             return fail("bad-value", "The displacements of a joint face do not match its vertices.");
-    auto element = trimmedElement(input, progress.part(0.0, 0.02));
+    SolverMeshSetting setting = input.solverMesh;
+    if (setting.kind == SolverMeshSetting::Kind::Default)  // the response says how finely
+        if (auto response = buildResponse(input, setting, progress.part(0.0, 0.4)); !response) return tl::make_unexpected(response.error());
+    auto element = trimmedElement(input, progress.part(0.4, 0.42));
     if (!element) return tl::make_unexpected(element.error());
     for (JointFace& face : element->input.faces) face.disc.reset();  // displacements are given at the vertices of faces
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), filled(input));
+    auto solved = solvedBody(element->input.mesh->body, element->input.faces, setting, progress.part(0.42, 0.5), filled(input));
     if (!solved) return tl::make_unexpected(solved.error());
     Points out = Points::Zero(input.mesh->body.vertices.rows(), 3), prescribed = Points::Zero(element->input.mesh->body.vertices.rows(), 3);
     for (std::size_t f = 0; f < input.faces.size(); ++f)
@@ -215,7 +218,7 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
             out.row(input.faces[f].vertices[i]) = u;
             prescribed.row(element->input.faces[f].vertices[i]) = u;
         }
-    auto level = solveStatics(*element, *solved, heldDisplacement(*solved, prescribed), {}, {}, progress.part(0.1, 1.0));
+    auto level = solveStatics(*element, *solved, heldDisplacement(*solved, prescribed), {}, {}, progress.part(0.5, 1.0));
     if (!level) return tl::make_unexpected(level.error());
     for (std::size_t i = 0; i < element->wholeFree.size(); ++i)
         out.row(element->wholeFree[i]) = level->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), 0).transpose();

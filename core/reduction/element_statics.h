@@ -44,6 +44,9 @@ std::vector<std::int32_t> freeVerticesOf(const ResponseInput& input);
 /// Whether finite elements may solve it, if its body can be filled: not beyond VolumeProblem::kLargestNu.
 bool filled(const ResponseInput& input);
 
+/// buildResponse(), and what the input was solved as: default climbs to best where it says that it is not within 1 %.
+Result<ElementResponse> buildResponse(const ResponseInput& input, SolverMeshSetting& solvedAs, const Progress& progress);
+
 /// What buildResponse() refuses before it computes anything.
 Result<void> checkInput(const ResponseInput& input);
 

@@ -160,8 +160,10 @@ TEST_CASE("links: parts that lie on each other are one, however they are turned"
     for (int k = 0; k < 24; ++k) {
         CAPTURE(k);
         Scene scene;
-        const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.1 + 0.25 * k, Vec3(1.0, 0.3 * k, -0.5).normalized()).toRotationMatrix();
+        const Vec3 axis = k % 2 == 0 ? Vec3::UnitY() : Vec3(1.0, 0.3 * k, -0.5);
+        const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.1 + 0.25 * k, axis.normalized()).toRotationMatrix();
         for (TriangleMesh part : {box({-0.2, 0, -0.2}, {0.2, 0.4, 0.2}), box({-0.05, 0.4, -0.05}, {0.05, 0.6, 0.05})}) {
+            part.vertices.col(1).array() += 1.05;
             part.vertices = (part.vertices * turn.transpose()).cast<float>().cast<double>();
             scene.add(part);
         }

@@ -55,6 +55,7 @@ LinksDialog::LinksDialog(const CharacterFile& file, const Body& body, const std:
         auto* item = new QTreeWidgetItem(tree_);
         item->setText(kBetween, tr("%1 and %2").arg(nameAt(file, surface, link.from), nameAt(file, surface, link.to)));
         item->setCheckState(kBetween, Qt::Checked);
+        item->setSizeHint(kBetween, QSize(0, px(36)));
         const auto made = std::find_if(body.report.links.begin(), body.report.links.end(), [&](const FleshLink& of) { return (of.from - link.from).norm() < link.radius; });
         item->setText(kLinkVolume, made == body.report.links.end() ? tr("not made") : tr("%1 %").arg(locale.toString(100.0 * made->volume / whole, 'g', 2)));
         item->setTextAlignment(kLinkVolume, Qt::AlignRight | Qt::AlignVCenter);
