@@ -5200,8 +5200,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>肉のつなぎ</translation>
         </message>
         <message>
-            <source>A link is a tube of flesh between two parts that do not touch, so that the body hangs together. Without its link a small part is carried by the body, and a large one is an element of its own.</source>
-            <translation>つなぎは、触れていない二つの部分のあいだの肉の管です。これで体が一つにつながります。つなぎがないと、小さな部分は体が運び、大きな部分は独立した要素になります。</translation>
+            <source>A link is a tube of flesh between two parts that do not touch, so that the body hangs together. Without its link a small part is carried by the body, and a large one hangs on nothing.</source>
+            <translation>つなぎは、触れていない二つの部分のあいだの肉の管です。これで体が一つにつながります。つなぎがないと、小さな部分は体が運び、大きな部分は何にもつながりません。</translation>
         </message>
         <message>
             <source>Between</source>

@@ -304,7 +304,7 @@ std::optional<LinkTube> tubeAt(const Facing& facing, const Eigen::Vector2d& cent
         gap += axis.in[side];
     }
     const double length = end[0] + end[1];
-    const int rings = std::clamp(static_cast<int>(std::lround(length * kTubeSides / (4.0 * std::numbers::pi * radius))), 1, kTubeRings);
+    const int rings = static_cast<int>(std::lround(std::clamp(length * kTubeSides / (4.0 * std::numbers::pi * radius), 1.0, double{kTubeRings})));
     LinkTube tube;
     tube.mesh.vertices.resize((rings + 1) * kTubeSides + 2, 3);
     for (int r = 0; r <= rings; ++r)

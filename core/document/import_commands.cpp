@@ -68,6 +68,7 @@ Result<std::vector<FleshLink>> linksFrom(const Json& given) {
         if (!from || !to || !line.contains("radius")) return fail("bad-type", "Each of \"links\" needs \"from\" and \"to\", three numbers each, and \"radius\".");
         FleshLink link{*from, *to};
         IMOMUSHI_TRY(link.radius, numberWithin(line["radius"], "radius", 0.0, kMaxCoordinate));
+        if (!(link.radius > 0.0)) return fail("bad-value", "The \"radius\" of a link must be more than 0: leave the link out to have none there.");
         links.push_back(link);
     }
     return links;
@@ -82,6 +83,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     setting.how = how.value_or(BodyKind::Wrapped);
     if (auto ok = readNumber(arguments, "detail", kFinestDetail, kCoarsestDetail, setting.detail); !ok) return tl::unexpected(ok.error());
     if (const Json* links = find(arguments, "links")) {
+        if (!how || *how == BodyKind::Exact || *how == BodyKind::Wrapped) return fail("bad-value", "Only a mended body has \"links\": make \"body\" \"mended\" or \"auto\", or leave them out.");
         IMOMUSHI_TRY(setting.links, linksFrom(*links));
     }
     IMOMUSHI_TRY(auto imported, edit.importCharacter(request, progress.part(0.0, 0.3)));

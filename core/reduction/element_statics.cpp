@@ -204,8 +204,12 @@ Result<Points> solveFull(const ResponseInput& input, const std::vector<Points>& 
         if (faceDisplacement[f].rows() != static_cast<Eigen::Index>(input.faces[f].vertices.size()))
             return fail("bad-value", "The displacements of a joint face do not match its vertices.");
     SolverMeshSetting setting = input.solverMesh;
-    if (setting.kind == SolverMeshSetting::Kind::Default)  // the response says how finely
-        if (auto response = buildResponse(input, setting, progress.part(0.0, 0.4)); !response) return tl::make_unexpected(response.error());
+    if (setting.kind == SolverMeshSetting::Kind::Default) {  // the response says how finely
+        ResponseInput alone = input;
+        alone.touch = 0;
+        alone.loads = BodyLoads::None;
+        if (auto response = buildResponse(alone, setting, progress.part(0.0, 0.4)); !response) return tl::make_unexpected(response.error());
+    }
     auto element = trimmedElement(input, progress.part(0.4, 0.42));
     if (!element) return tl::make_unexpected(element.error());
     for (JointFace& face : element->input.faces) face.disc.reset();  // displacements are given at the vertices of faces

@@ -145,8 +145,8 @@ TEST_CASE("links: those that were asked for are made as they were asked for, oth
 
     const auto refused = [](const Body& body) { return std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "link-refused"; }); };
     CHECK_FALSE(refused(one));
-    // Wider than the boxes, over their rim; and none at all.
-    for (const FleshLink& bad : {FleshLink{{1.0, 0.5, 0.5}, {1.1, 0.5, 0.5}, 0.6}, FleshLink{{1.0, 0.05, 0.5}, {1.1, 0.05, 0.5}, 0.1}}) {
+    // Wider than the boxes, over their rim, next to nothing; and none at all.
+    for (const FleshLink& bad : {FleshLink{{1.0, 0.5, 0.5}, {1.1, 0.5, 0.5}, 0.6}, FleshLink{{1.0, 0.05, 0.5}, {1.1, 0.05, 0.5}, 0.1}, FleshLink{{1.0, 0.5, 0.5}, {1.1, 0.5, 0.5}, 1e-300}}) {
         auto made = makeBody(scene.mesh, {}, {.links = {{thin, bad}}}, {});
         REQUIRE(made);
         CHECK(made->report.links.size() == 1);

@@ -101,7 +101,9 @@ TEST_CASE("characters: parts that overlap and meshes that are open get a body, t
     CHECK(w.code({{"do", "import-character"}, {"path", "tube"}, {"detail", 0.5}}) == "bad-value");
     for (const Json& bad : {Json{3}, Json{{{"from", {0, 0, 0}}, {"radius", 1}}}, Json{{{"from", {0, 0, 0}}, {"to", {0, 0}}, {"radius", 1}}}, Json{{{"from", {0, 0, 0}}, {"to", {0, 0, 1}}}}})
         CHECK(w.code({{"do", "import-character"}, {"path", "tube"}, {"links", bad}}) == "bad-type");
-    CHECK(w.code({{"do", "import-character"}, {"path", "tube"}, {"links", {{{"from", {0, 0, 0}}, {"to", {0, 0, 1}}, {"radius", -1}}}}}) == "bad-value");
+    for (const double radius : {-1.0, 0.0})
+        CHECK(w.code({{"do", "import-character"}, {"path", "tube"}, {"links", {{{"from", {0, 0, 0}}, {"to", {0, 0, 1}}, {"radius", radius}}}}}) == "bad-value");
+    CHECK(w.code({{"do", "import-character"}, {"path", "tube"}, {"body", "wrapped"}, {"links", Json::array()}}) == "bad-value");
     CHECK(w.code({{"do", "import-character"}, {"path", "nothing"}}) == "file-not-found");
     CHECK(w.good({{"do", "import-character"}, {"path", "ball"}, {"body", "wrapped"}, {"detail", 0.05}})["body"]["how"] == "wrapped");
 }

@@ -244,7 +244,9 @@ bool ImportDialog::unmended() const { return body_->currentIndex() == kUnmended;
 
 BodySetting ImportDialog::body() const {
     const double detail = kDetails[std::size_t(detail_->currentIndex())];
-    return {kBodies[std::size_t(body_->currentIndex())], unmended() && detail == 0.0 ? kPassingDetail : detail, askedLinks_};
+    const BodyKind how = kBodies[std::size_t(body_->currentIndex())];
+    const bool mends = how == BodyKind::Auto || how == BodyKind::Mended;  // others have no links
+    return {how, unmended() && detail == 0.0 ? kPassingDetail : detail, mends ? askedLinks_ : std::nullopt};
 }
 
 void ImportDialog::choose(bool whole) {
@@ -380,7 +382,7 @@ void ImportDialog::showCharacter() {
     lines << tr("%1 vertices, %2 triangles").arg(locale.toString(qlonglong(mesh.vertices.rows())), locale.toString(qlonglong(mesh.triangles.rows())));
     if (file.renderModel.parts.size() > 1) lines << tr("%n separate part(s)", nullptr, int(file.renderModel.parts.size()));
     if (body) lines << bodyLines(*body);
-    if (body && replaced_.empty() && (askedLinks_ || !body->report.links.empty())) {
+    if (body && replaced_.empty() && (this->body().links || !body->report.links.empty())) {
         links_->setText(tr("%n link(s) – change…", nullptr, int(body->report.links.size())));
         for (QWidget* field : std::initializer_list<QWidget*>{linksLabel_, links_}) field->show();
     }
@@ -448,7 +450,7 @@ void ImportDialog::chooseLinks() {
 
 Json ImportDialog::command() const {
     commands::Import import;
-    import.links = askedLinks_;
+    import.links = body().links;
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];

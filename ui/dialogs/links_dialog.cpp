@@ -39,7 +39,7 @@ LinksDialog::LinksDialog(const CharacterFile& file, const Body& body, const std:
     : QDialog(parent), links_(asked ? *asked : body.report.links) {
     setWindowTitle(tr("Links of flesh"));
     setObjectName(QStringLiteral("linksDialog"));
-    auto* text = new QLabel(tr("A link is a tube of flesh between two parts that do not touch, so that the body hangs together. Without its link a small part is carried by the body, and a large one is an element of its own."), this);
+    auto* text = new QLabel(tr("A link is a tube of flesh between two parts that do not touch, so that the body hangs together. Without its link a small part is carried by the body, and a large one hangs on nothing."), this);
     text->setWordWrap(true);
     tree_ = new QTreeWidget(this);
     tree_->setAccessibleName(windowTitle());
