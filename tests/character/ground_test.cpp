@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <random>
 
 #include "core/character/deform_input.h"
@@ -102,6 +103,26 @@ TEST_CASE("ground: far above it flesh is not evaluated, and is seen above it") {
     c.tune(near);
     c.update(restPose(input.skeleton));
     CHECK(lowestFlesh(c, -Vec3::UnitY()) == doctest::Approx(lowest(c, -Vec3::UnitY())).epsilon(1e-3));
+}
+
+TEST_CASE("ground: flesh that is warped and stretched into it is seen in it, however high its middle is") {
+    CharacterInput input = caterpillar::make({});
+    input.effects.set(BendWarpEffect{});
+    Pose pose = restPose(input.skeleton);
+    const Eigen::Quaterniond upright(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));
+    for (Vec3& p : pose.points) p = upright * (4.0 * p);
+    for (Eigen::Quaterniond& frame : pose.frames) frame = upright * frame;
+    auto above = Character::build(input).value();
+    above.update(pose);
+    for (std::size_t e = 0; e < input.elements.size(); ++e) {
+        CAPTURE(e);
+        GroundEffect ground;
+        ground.height = above.positions(static_cast<int>(e)).col(1).minCoeff() + 0.2;
+        input.effects.set(ground);
+        auto c = Character::build(input).value();
+        c.update(pose);
+        CHECK(c.groundDepths()[e].depth == doctest::Approx(0.2).epsilon(1e-4));
+    }
 }
 
 TEST_CASE("ground: where a whole character is shifted out of it, flesh of any kind moves as far as its bones do") {
