@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/io/gltf_compression.h"
 #include "core/io/reader_support.h"
 
 namespace imomushi {
@@ -133,15 +134,12 @@ void GltfFileReader::openContainer() {
 }
 
 void GltfFileReader::checkExtensions() const {
-    static const char* const kKnown[] = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp", "KHR_texture_basisu"};
+    static const char* const kKnown[] = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp", "KHR_texture_basisu",
+                                         "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
     for (const Json& name : list("extensionsRequired")) {
         const std::string extension = text(name);
         const bool known = extension.rfind("KHR_materials_", 0) == 0 || std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);
-        if (!known) {
-            const bool compressed = extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression";
-            refuse(compressed ? "is compressed (" + extension + "): export it without compression."
-                              : "needs the extension '" + cleanName(extension, "?") + "', which is not known here: export it without.");
-        }
+        if (!known) refuse("needs the extension '" + cleanName(extension, "?") + "', which is not known here: export it without.");
     }
 }
 
@@ -204,12 +202,63 @@ std::string GltfFileReader::decodePercent(const std::string& uri) {
 }
 
 std::string_view GltfFileReader::bufferView(std::size_t i, std::size_t* stride) {
+    if (const auto plain = decompressed(i, stride)) return *plain;
     const Json& view = list("bufferViews")[i];
     const std::string_view whole = buffer(index(member(view, "buffer"), buffers_.size(), "buffer"));
     const std::uint64_t offset = number(member(view, "byteOffset"), "offset of a buffer view", 0), length = number(member(view, "byteLength"), "length of a buffer view");
     if (offset > whole.size() || length > whole.size() - offset) refuse("has a buffer view that reaches beyond its buffer: export it again.");
     if (stride) *stride = static_cast<std::size_t>(number(member(view, "byteStride"), "stride of a buffer view", 0));
     return whole.substr(offset, length);
+}
+
+std::optional<std::string_view> GltfFileReader::decompressed(std::size_t i, std::size_t* stride) {
+    const Json& view = list("bufferViews")[i];
+    const char* extension = nullptr;
+    for (const char* known : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+        if (!member(member(view, "extensions"), known).is_null()) extension = known;
+    if (!extension) return std::nullopt;
+    const Json& from = member(member(view, "extensions"), extension);
+    const std::size_t at = index(member(from, "buffer"), buffers_.size(), "buffer");
+    const std::uint64_t offset = number(member(from, "byteOffset"), "offset of a buffer view", 0), length = number(member(from, "byteLength"), "length of a buffer view");
+    MeshoptView how;
+    how.mode = cleanName(text(member(from, "mode")), "?");
+    how.filter = cleanName(text(member(from, "filter")), "NONE");
+    how.count = number(member(from, "count"), "count");
+    how.stride = number(member(from, "byteStride"), "stride of a buffer view");
+    // As of an accessor: the stride of the view, which is that of what was compressed.
+    if (stride) *stride = static_cast<std::size_t>(number(member(view, "byteStride"), "stride of a buffer view", 0));
+    if (const auto known = decompressed_.find(i); known != decompressed_.end()) return known->second;
+    const std::string_view whole = buffer(at);
+    if (offset > whole.size() || length > whole.size() - offset) refuse("has a buffer view that reaches beyond its buffer: export it again.");
+    if (how.stride > 256 || how.count > kMaxItems || how.count * how.stride > kLargestBuffer - std::min(kLargestBuffer, decompressedBytes_)) refuseAsTooLarge();
+    auto plain = std::make_unique<std::string>();
+    if (const std::string why = decodeMeshopt(how, whole.substr(offset, length), *plain); !why.empty()) {
+        const Json& fallback = list("buffers")[index(member(view, "buffer"), buffers_.size(), "buffer")];
+        if (!text(member(fallback, "uri")).empty()) return std::nullopt;  // plain bytes are there
+        refuse(std::string("has data compressed by ") + extension + " that " + why + ": export it without compression.");
+    }
+    decompressedBytes_ += plain->size();
+    owned_.push_back(std::move(plain));
+    return decompressed_[i] = *owned_.back();
+}
+
+bool GltfFileReader::hasNumbers(const Json& reference) const {
+    const Json& accessors = list("accessors");
+    const Json& from = accessors[index(reference, accessors.size(), "accessor")];
+    return !member(from, "bufferView").is_null() || !member(from, "sparse").is_null();
+}
+
+GltfFileReader::Values GltfFileReader::accessor(const Json& reference, std::string_view packed, std::size_t width, std::uint64_t componentType, const char* what) {
+    const Json& accessors = list("accessors");
+    const Json& from = accessors[index(reference, accessors.size(), "accessor")];
+    const std::size_t size = componentSize(componentType);
+    if (width == 0 || size == 0) refuse(std::string("has ") + what + " of an unknown type: export it again.");
+    const Json& normalizedFlag = member(from, "normalized");
+    const bool normalized = normalizedFlag.is_boolean() && normalizedFlag.get<bool>() && componentType != 5126;
+    Values values{packed.size() / (width * size), width, {}};
+    values.at.resize(values.count * width);
+    for (std::size_t i = 0; i < values.at.size(); ++i) values.at[i] = component(packed.data() + i * size, componentType, normalized);
+    return values;
 }
 
 GltfFileReader::Values GltfFileReader::accessor(const Json& reference, const char* what) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -52,7 +53,7 @@ public:
     /// A finite number, else `otherwise`.
     double number(const Json& value, double otherwise) const;
 
-    /// The bytes of buffer view i. `stride`: as the file says, 0: packed.
+    /// The bytes of buffer view i, decompressed where they are compressed. `stride`: as the file says, 0: packed.
     std::string_view bufferView(std::size_t i, std::size_t* stride = nullptr);
     /// The bytes of a "data:" URI in base64.
     std::string decodeData(const std::string& uri) const;
@@ -66,11 +67,17 @@ public:
     };
     /// `reference`: index of the accessor. `what` it holds, for messages.
     Values accessor(const Json& reference, const char* what);
+    /// The same of numbers that lie packed elsewhere: the accessor says how many of them there are and whether they are normalised.
+    Values accessor(const Json& reference, std::string_view packed, std::size_t width, std::uint64_t componentType, const char* what);
+    /// An accessor says where its numbers are; without that they are zeros, or in what an extension compressed.
+    [[nodiscard]] bool hasNumbers(const Json& reference) const;
 
 private:
     void openContainer();
     void checkExtensions() const;
     std::string_view buffer(std::size_t i);
+    /// The bytes of a view that meshoptimizer compressed; nothing where the view says nothing of that, or where it cannot be read and plain bytes are there too.
+    std::optional<std::string_view> decompressed(std::size_t i, std::size_t* stride);
     /// The part of a buffer view with `count` items of `size` bytes.
     std::string_view slice(const Json& view, std::uint64_t offset, std::uint64_t count, std::size_t size, std::size_t& stride, const char* what);
 
@@ -80,6 +87,8 @@ private:
     std::optional<std::string_view> binary_;  // the first chunk of a GLB file after its JSON
     std::vector<std::optional<std::string_view>> buffers_;
     std::vector<std::unique_ptr<std::string>> owned_;  // buffers that are not part of the file's bytes
+    std::map<std::size_t, std::string_view> decompressed_;
+    std::size_t decompressedBytes_ = 0;
 };
 
 }  // namespace imomushi

@@ -9,6 +9,7 @@
 #include "core/io/gltf_file_reader.h"
 #include "core/base/finite.h"
 #include "core/io/gltf_clips.h"
+#include "core/io/gltf_compression.h"
 #include "core/io/morph_builder.h"
 #include "core/io/reader_support.h"
 #include "core/io/rig_builder.h"
@@ -21,6 +22,8 @@ using Matrix = Eigen::Matrix4d;
 constexpr int kDeepest = 1000;        // nodes within nodes
 constexpr double kRounding = 1e-6;    // of a mesh's coordinates: joints that move a vertex by less leave it in its place, in single precision
 constexpr double kSameMatrix = 1e-6;  // joints that agree to this move a skin as one: its coordinates stay what the file says
+
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 class GltfReader : GltfFileReader, SceneVertices {
 public:
@@ -203,14 +206,24 @@ private:
             tell(scene_, Severity::Warning, "not-understood", "A part of '" + name + "' without positions was left out" + (member(from, "extensions").is_null() ? "." : ": it is compressed, export it without compression."), 1);
             return;
         }
-        Values positions = accessor(member(attributes, "POSITION"), "positions");
+        const DracoMesh* draco = dracoOf(from, name);
+        const auto numbersOf = [&](const std::string& key, const char* what) {
+            if (draco) {
+                const Json& id = member(member(member(member(from, "extensions"), kDraco), "attributes"), key.c_str());
+                const auto found = id.is_null() ? draco->attributes.end() : draco->attributes.find(number(id, "attribute"));
+                if (found != draco->attributes.end()) return accessor(member(attributes, key.c_str()), found->second.bytes, found->second.width, found->second.type, what);
+                if (!hasNumbers(member(attributes, key.c_str()))) refuse("has data of '" + name + "' compressed by Draco without the " + what + " that they should have: export it again.");
+            }
+            return accessor(member(attributes, key.c_str()), what);
+        };
+        Values positions = numbersOf("POSITION", "positions");
         if (positions.width != 3) refuse("has positions of '" + name + "' that are not three numbers: export it again.");
         const std::size_t n = positions.count;
         const auto optional = [&](const std::string& key, std::size_t width, const char* what) {
             const Json& reference = member(attributes, key.c_str());
             Values v;
             if (reference.is_null()) return v;
-            v = accessor(reference, what);
+            v = numbersOf(key, what);
             if (v.count != n || v.width < width) refuse("has " + std::string(what) + " of '" + name + "' that do not fit its positions: export it again.");
             return v;
         };
@@ -309,7 +322,10 @@ private:
         }
 
         std::vector<std::int32_t> corners;
-        if (const Json& indices = member(from, "indices"); !indices.is_null()) {
+        if (draco) {
+            if (draco->vertices != n || mode == 6) refuse("has compressed triangles of '" + name + "' that do not fit its positions: export it again.");
+            corners.assign(draco->corners.begin(), draco->corners.end());
+        } else if (const Json& indices = member(from, "indices"); !indices.is_null()) {
             const Values values = accessor(indices, "indices");
             if (values.width != 1) refuse("has indices of '" + name + "' that are no single numbers: export it again.");
             for (const double i : values.at) {
@@ -327,7 +343,7 @@ private:
             scene_.surface.part.push_back(static_cast<std::int32_t>(scene_.partNames.size()) - 1);
             material_.push_back(material);
         };
-        if (mode == 4) {
+        if (mode == 4 || draco) {  // strips come out of Draco as triangles
             if (corners.size() % 3 != 0) refuse("has a number of corners in '" + name + "' that makes no triangles: export it again.");
             for (std::size_t i = 0; i + 2 < corners.size(); i += 3) add(i, i + 1, i + 2);
         } else if (mode == 5) {
@@ -335,6 +351,15 @@ private:
         } else {
             for (std::size_t i = 1; i + 1 < corners.size(); ++i) add(0, i, i + 1);
         }
+    }
+
+    /// What Draco compressed of a primitive, which is kept until the next one; null: nothing, or plain data is there too, which is exact.
+    const DracoMesh* dracoOf(const Json& primitive, const std::string& name) {
+        const Json& compressed = member(member(primitive, "extensions"), kDraco);
+        if (compressed.is_null() || hasNumbers(member(member(primitive, "attributes"), "POSITION"))) return nullptr;
+        draco_ = decodeDraco(bufferView(index(member(compressed, "bufferView"), list("bufferViews").size(), "buffer view")));
+        if (!draco_) refuse("has data of '" + name + "' compressed by Draco that are damaged or of a kind that is not read here: export it without compression.");
+        return &*draco_;
     }
 
     /// A target without a name is one of its node.
@@ -412,6 +437,7 @@ private:
     std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
     std::size_t badJoints_ = 0;
+    std::optional<DracoMesh> draco_;
 };
 
 }  // namespace

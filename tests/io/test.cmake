@@ -4,7 +4,7 @@ add_executable(test_bad_import_worker io/worker/bad_import_worker.cpp)
 target_include_directories(test_bad_import_worker PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(test_bad_import_worker PRIVATE imomushi_io)
 
-imomushi_test(io imomushi_io nlohmann_json::nlohmann_json)
+imomushi_test(io imomushi_io nlohmann_json::nlohmann_json PkgConfig::DRACO meshoptimizer::meshoptimizer)
 add_dependencies(test_io test_bad_import_worker)
 target_compile_definitions(test_io PRIVATE
     IMOMUSHI_TEST_BAD_IMPORT_WORKER="$<TARGET_FILE:test_bad_import_worker>")
