@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What README.md and the program's help show as an example is run here, as it stands there.
+// What README.md, the manual and the program's help show as an example is run here, as it stands there.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,9 +23,18 @@ std::vector<std::string> linesOf(const std::string& text) {
     return lines;
 }
 
-const std::string& readme() {
-    static const std::string text = readFile(kSource / "README.md");
-    return text;
+const std::string& page(const std::string& name) {
+    static std::map<std::string, std::string> read;
+    const auto [text, fresh] = read.try_emplace(name);
+    if (fresh) text->second = readFile(kSource / name);
+    return text->second;
+}
+/// README.md and the pages of the manual in English.
+std::vector<std::string> pages() {
+    std::vector<std::string> found{"README.md"};
+    for (const auto& entry : fs::directory_iterator(kSource / "assets/manual/en")) found.push_back("assets/manual/en/" + entry.path().filename().string());
+    std::sort(found.begin() + 1, found.end());
+    return found;
 }
 const std::string& help() {
     static const std::string text = program("--help").out + program("run --help").out;
@@ -37,6 +46,25 @@ std::vector<std::string> all(const std::string& text, const char* pattern) {
     const std::regex expression(pattern);
     std::vector<std::string> found;
     for (std::sregex_iterator m(text.begin(), text.end(), expression), end; m != end; ++m) found.push_back((*m)[1]);
+    return found;
+}
+
+/// What stands between fences that begin with ```LANGUAGE, of the languages that are asked for; with its language.
+struct Fenced {
+    std::string language, text;
+};
+std::vector<Fenced> fenced(const std::string& text) {
+    std::vector<Fenced> found;
+    bool inside = false;
+    for (const std::string& line : linesOf(text)) {
+        if (line.starts_with("```")) {
+            inside = !inside;
+            if (inside) found.push_back({line.substr(3), ""});
+        } else if (inside) {
+            found.back().text += line + "\n";
+        }
+    }
+    CHECK(!inside);
     return found;
 }
 
@@ -56,11 +84,12 @@ std::vector<std::string> commandsIn(const std::string& text) {
     return found;
 }
 
-/// Puts the samples where the examples look for them.
+/// Puts the samples where the examples look for them, with the files that they were made from.
 void takeSamples() {
-    fs::create_directories(folder() / "assets/samples");
-    for (const auto& entry : fs::directory_iterator(kSource / "assets/samples"))
-        if (entry.path().extension() == ".imomushi") fs::copy_file(entry.path(), folder() / "assets/samples" / entry.path().filename(), fs::copy_options::overwrite_existing);
+    if (!fs::exists(folder() / "assets/samples")) {
+        fs::create_directories(folder() / "assets");
+        fs::copy(kSource / "assets/samples", folder() / "assets/samples", fs::copy_options::recursive);
+    }
     fs::copy_file(kSource / "assets/samples/caterpillar.imomushi", folder() / "a.imomushi", fs::copy_options::overwrite_existing);
 }
 
@@ -72,14 +101,14 @@ std::vector<Json> onCaterpillar(const std::string& lines) {
     return run.answers;
 }
 
-/// The cells of the first column of README's tables whose head is `head`, each without its backquotes; with the cells of the second.
-std::vector<std::pair<std::string, std::string>> table(const std::string& head) {
+/// The cells of the first column of the first table of a page of the manual whose head is `head`, each without its backquotes; with the cells of the second.
+std::vector<std::pair<std::string, std::string>> table(const std::string& name, const std::string& head) {
     std::vector<std::pair<std::string, std::string>> rows;
     bool inside = false;
-    for (const std::string& line : linesOf(readme())) {
-        if (!line.starts_with("|")) inside = false;
+    for (const std::string& line : linesOf(page("assets/manual/en/" + name))) {
+        if (inside && !line.starts_with("|")) break;
         if (inside)
-            for (const std::string& name : all(line.substr(0, line.find('|', 1)), "`([^`]+)`")) rows.emplace_back(name, line.substr(line.find('|', 1) + 1));
+            for (const std::string& cell : all(line.substr(0, line.find('|', 1)), "`([^`]+)`")) rows.emplace_back(cell, line.substr(line.find('|', 1) + 1));
         if (line.starts_with("| " + head + " |") || line.starts_with("| `" + head + "` |")) inside = true;
     }
     return rows;
@@ -87,34 +116,41 @@ std::vector<std::pair<std::string, std::string>> table(const std::string& head) 
 
 }  // namespace
 
-TEST_CASE("examples: every script in README.md does what it says, in the order in which it is typed") {
+TEST_CASE("examples: every script in README.md and in the manual does what it says") {
     takeSamples();
     int scripts = 0;
-    std::string name, lines;
-    for (const std::string& indented : linesOf(readme())) {
-        if (!indented.starts_with("    ")) continue;
-        const std::string line = indented.substr(4);
-        if (line.starts_with("$ cat ")) {
-            name = line.substr(6);
-            lines.clear();
-        } else if (line.starts_with("{")) {
-            lines += line + "\n";
-        } else if (line.starts_with("$ bash packaging/run.sh ")) {
-            CAPTURE(line);
-            writeFile(name, lines);
-            const Run run = program(line.substr(24));
-            CHECK_MESSAGE(run.status == 0, run.out, run.err);
-            CHECK(linesOf(run.out).size() == linesOf(lines).size());
-            for (const std::string& command : linesOf(lines))
+    for (const std::string& name : pages()) {
+        CAPTURE(name);
+        std::string lines;
+        std::size_t commands = 0;
+        const auto check = [&](const Run& run) {
+            CHECK_MESSAGE(run.status == 0, lines, run.out, run.err);
+            std::size_t asked = 0;
+            for (const std::string& command : linesOf(lines)) {
+                if (command.empty() || command.starts_with("#")) continue;
+                ++asked;
                 if (const Json json = Json::parse(command); json["do"] != "open" && json.contains("path")) CHECK(fs::file_size(folder() / json["path"].get<std::string>()) > 1000);
-            ++scripts;
+            }
+            CHECK(linesOf(run.out).size() == asked);
+        };
+        for (const Fenced& block : fenced(page(name))) {
+            // Answers are shown as json, what is typed as sh; formulas have no language.
+            CHECK(std::set<std::string>{"jsonl", "json", "sh"}.contains(block.language));
+            if (block.language == "jsonl") {
+                lines = block.text;
+                commands += commandsIn(lines).size();
+                check(script(lines));
+                ++scripts;
+            }
+            if (block.language != "sh") continue;
+            for (const std::string& typed : all(block.text, "bash packaging/run\\.sh (run [a-z]+\\.jsonl)")) {
+                writeFile(typed.substr(4), lines);
+                check(program(typed));
+            }
         }
+        if (name == "README.md") CHECK(commandsIn(page(name)).size() == commands);  // none stands outside of a script that was run
     }
-    CHECK(scripts >= 1);
-    // No command stands outside of a script that was run.
-    std::size_t commands = 0;
-    for (const std::string& line : linesOf(readme())) commands += line.starts_with("    {\"do\":");
-    CHECK(commandsIn(readme()).size() == commands);
+    CHECK(scripts >= 15);
 }
 
 TEST_CASE("examples: every command that the help shows runs") {
@@ -128,42 +164,50 @@ TEST_CASE("examples: every command that the help shows runs") {
     }
 }
 
-TEST_CASE("examples: what README.md says to type is there") {
-    const std::string text = readme();
-    for (const std::string& file : all(text, "(packaging/[a-z]+\\.sh)")) {
-        CAPTURE(file);
-        REQUIRE(fs::exists(kSource / file));
-        CHECK(readFile(kSource / file).starts_with("#!/usr/bin/env bash\n"));
-    }
-    for (const std::string& path : all(text, "`((?:app|assets|core|packaging|shaders|tests|ui)/[^` ]*)`")) CHECK_MESSAGE(fs::exists(kSource / path), path);
-    const std::string presets = readFile(kSource / "CMakePresets.json");
-    for (const std::string& preset : all(text, "--preset ([a-z]+)")) CHECK_MESSAGE(presets.find("\"configurePreset\": \"" + preset + "\"") != std::string::npos, preset);
-    for (const std::string& label : all(text, "ctest -L ([a-z_]+)")) CHECK_MESSAGE(fs::exists(kSource / "tests" / label), label);
-    for (const std::string& bench : all(text, "`bench_([a-z_]+)`")) CHECK_MESSAGE(fs::exists(kSource / "tests/bench" / (bench + ".cpp")), bench);
-    if (text.find("imomushi_hard_cases") != std::string::npos) CHECK(readFile(kSource / "tests/stability/test.cmake").find("add_executable(imomushi_hard_cases") != std::string::npos);
-    // Names of commands in the text are commands.
+TEST_CASE("examples: what README.md and the manual say to type is there") {
     const std::string commands = help();
-    for (const std::string& name : all(text, "`((?:accuracy|paper|report|record|play|export|enable|step|render|precompute|write-mesh|[a-z]+-take|set)+)`"))
-        CHECK_MESSAGE(commands.find("\n" + name + "\n") != std::string::npos, name);
+    const std::string presets = readFile(kSource / "CMakePresets.json");
+    std::vector<std::string> names = pages();
+    for (const char* other : {"CONTRIBUTING.md", "ARCHITECTURE.md"}) names.push_back(other);
+    for (const std::string& name : names) {
+        CAPTURE(name);
+        const std::string& text = page(name);
+        for (const std::string& file : all(text, "(packaging/[a-z]+\\.sh)")) {
+            CAPTURE(file);
+            REQUIRE(fs::exists(kSource / file));
+            CHECK(readFile(kSource / file).starts_with("#!/usr/bin/env bash\n"));
+        }
+        for (const std::string& path : all(text, "`((?:app|assets|core|packaging|shaders|tests|ui)/[^`A-Z *{]*)`")) CHECK_MESSAGE(fs::exists(kSource / path), path);
+        for (const std::string& preset : all(text, "--preset ([a-z]+)")) CHECK_MESSAGE(presets.find("\"configurePreset\": \"" + preset + "\"") != std::string::npos, preset);
+        for (const std::string& label : all(text, "ctest -L ([a-z_]+)")) CHECK_MESSAGE(fs::exists(kSource / "tests" / label), label);
+        for (const std::string& bench : all(text, "`bench_([a-z_]+)[` ]")) CHECK_MESSAGE(fs::exists(kSource / "tests/bench" / (bench + ".cpp")), bench);
+        if (text.find("imomushi_hard_cases") != std::string::npos) CHECK(readFile(kSource / "tests/stability/test.cmake").find("add_executable(imomushi_hard_cases") != std::string::npos);
+        // Names of commands in the text are commands.
+        for (const std::string& command : all(text, "`((?:accuracy|paper|report|record|play|export|enable|step|render|precompute|propose|make-soft|mirror|append|repair|check-pose|write-mesh|[a-z]+-take|set))`"))
+            CHECK_MESSAGE(commands.find("\n" + command + "\n") != std::string::npos, command);
+    }
 }
 
-TEST_CASE("examples: every solver mesh, effect, basis and layout that README.md names can be had") {
+TEST_CASE("examples: every solver mesh, effect, basis and layout that the manual names can be had") {
     takeSamples();
     std::string lines;
     const auto add = [&](const Json& line) { lines += line.dump() + "\n"; };
     std::vector<std::string> meshes;
-    for (const auto& [name, rest] : table("setting")) meshes.push_back(std::regex_replace(name, std::regex("N$"), "300"));
+    for (const auto& [name, rest] : table("accuracy.md", "setting")) meshes.push_back(std::regex_replace(name, std::regex("N$"), "300"));
     CHECK(meshes.size() == 7);
     for (const std::string& mesh : meshes) add({{"do", "set"}, {"target", "head"}, {"property", "solver-mesh"}, {"value", mesh}});
-    const auto effects = table("effect");
+    const auto effects = table("effects.md", "effect");
     CHECK(effects.size() == 10);
     for (const auto& [effect, rest] : effects) {
         add({{"do", "enable"}, {"effect", effect}});
         add({{"do", "disable"}, {"effect", effect}});
     }
-    const auto bases = all(readme().substr(readme().find("Joint modes (`set character basis`)")), "`(paper|affine|modes:K|full)`");
-    CHECK(bases.size() >= 4);
-    for (const std::string& basis : bases) add({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", std::regex_replace(basis, std::regex("K$"), "4")}});
+    const auto presets = table("effects.md", "preset");
+    CHECK(presets.size() == 5);
+    for (const auto& [preset, rest] : presets) add({{"do", "set"}, {"target", "head"}, {"property", "preset"}, {"value", preset}});
+    const auto bases = table("accuracy.md", "basis");
+    CHECK(bases.size() == 4);
+    for (const auto& [basis, rest] : bases) add({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", std::regex_replace(basis, std::regex("K$"), "4")}});
     onCaterpillar(lines);
 
     lines.clear();
@@ -172,7 +216,7 @@ TEST_CASE("examples: every solver mesh, effect, basis and layout that README.md 
     add({{"do", "step"}, {"frames", 3}});
     add({{"do", "record"}, {"take", "nod"}, {"action", "stop"}});
     int layouts = 0;
-    for (const auto& [layout, files] : table("layout"))
+    for (const auto& [layout, files] : table("takes-and-export.md", "layout"))
         for (const std::string& ending : all(files, "[ ,](\\.[a-z0-9]+)"))
             if (ending != ".fbx") {  // needs Blender
                 add({{"do", "export"}, {"path", layout + ending}, {"layout", layout}});
