@@ -2692,6 +2692,10 @@
             <translation>すべて（面の頂点ごとに 3）</translation>
         </message>
         <message>
+            <source>Trunk stays upright</source>
+            <translation>胴を起こしておく</translation>
+        </message>
+        <message>
             <source>Number format</source>
             <translation>数値の形式</translation>
         </message>

@@ -10,6 +10,7 @@
 #include "core/document/embed_model.h"
 #include "core/document/names.h"
 #include "core/document/seam.h"
+#include "core/skeleton/body_follows.h"
 
 namespace imomushi {
 
@@ -240,6 +241,8 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         skeleton.bones.push_back(made);
         plan.bones.push_back(ids[index]);
     }
+
+    if (document.settings.bodyFollows > 0.0) letBodyFollow(skeleton, document.settings.bodyFollows);
 
     // Elements.
     plan.input.basis = document.settings.basis;

@@ -168,6 +168,8 @@ struct CharacterSettings {
     BasisChoice basis;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 0;  ///< 0: as many as the machine has
+    double bodyFollows = 0.0;  ///< 0...kMostFollow: how much limbs move before the trunk does, see letBodyFollow()
+    static constexpr double kMostFollow = 10.0;
     bool operator==(const CharacterSettings&) const = default;
 };
 

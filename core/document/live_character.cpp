@@ -201,6 +201,7 @@ void LiveCharacter::collectGoals() {
         if (goal.point < 0) continue;
         const double done = held.seconds > 0.0 ? std::min(1.0, held.elapsed / held.seconds) : 1.0;
         goal.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
+        goal.pinned = held.pinned;
         goal.hasRoll = held.roll.has_value();
         if (held.turn) {
             goal.heldBone = plan_.boneIndex(end.bone);

@@ -16,6 +16,9 @@ namespace imomushi {
 
 namespace {
 
+/// A pin not higher than this part of the height is a foot.
+constexpr double kFootHeight = 0.2;
+
 class StopWatch {
 public:
     double lap() {
@@ -123,6 +126,34 @@ public:
             if (wanted.pivot) line["pivot"] = json(*wanted.pivot);
             execute(line, "The part \"" + name + "\"");
         }
+        return {};
+    }
+
+    /// What an artist expects of a body that is dragged: bends without cracks, a soft skin over joints, bones that swing; of one that stands, the ground and a trunk that stays upright.
+    /// What is on already stays as it is.
+    Result<void> makeAlive() {
+        if (proposal_.bones.empty()) return {};
+        const auto enable = [&](EffectKind kind, bool automatic) {
+            if (document().effects.has(kind)) return;
+            Json line{{"do", "enable"}, {"effect", std::string(effectName(kind))}};
+            if (automatic) line["auto"] = true;
+            execute(line, "The effect \"" + std::string(effectName(kind)) + "\"");
+        };
+        enable(EffectKind::BendWarp, true);
+        enable(EffectKind::SmoothJoints, false);
+        enable(EffectKind::BoneDynamics, false);
+        const Points& vertices = source().body->mesh.vertices;
+        const double low = vertices.col(1).minCoeff(), height = vertices.col(1).maxCoeff() - low;
+        const bool stands = std::any_of(proposal_.pins.begin(), proposal_.pins.end(), [&](const ProposedPin& pin) {
+            const ProposedBone& bone = proposal_.bones[static_cast<std::size_t>(pin.bone)];
+            return (pin.atEnd ? bone.end : bone.start).y() - low < kFootHeight * height;
+        });
+        if (!stands) return {};
+        if (!document().effects.has(EffectKind::Ground)) {
+            execute({{"do", "set"}, {"target", std::string(effectName(EffectKind::Ground))}, {"property", "height"}, {"value", low}}, "The height of the ground");
+            enable(EffectKind::Ground, false);
+        }
+        if (document().settings.bodyFollows == 0.0) execute({{"do", "set"}, {"target", "character"}, {"property", "body-follows"}, {"value", 1.0}}, "The trunk that stays upright");
         return {};
     }
 
@@ -285,6 +316,8 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     seconds["cut"] = watch.lap();
     for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
         if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
+    if (arguments.value("alive", false))
+        if (auto ok = maker.makeAlive(); !ok) return tl::unexpected(ok.error());
     seconds["bones"] = watch.lap();
     step.end({"make-soft", source->name});
     access.changedPose();
@@ -333,6 +366,8 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"least", Type::Number, false, "As in propose."},
                         {"bones", Type::Array, false, "As in propose."},
                         {"proposal", Type::Object, false, "Instead of these: what propose answered, with cuts, bones, pins, handles and parts changed, dropped or added."},
+                        {"alive", Type::Boolean, false, "Enables what a body that is dragged calls for: bend-warp where it bends, smooth-joints, bone-dynamics; where it stands, ground and "
+                         "body-follows 1 (false)."},
                         {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
                         {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},
                         {"name", Type::Text, false, "Of the file's character, as in import-character; so are the following."},

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
 #include <initializer_list>
@@ -42,13 +43,16 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
     settings.row(kBasis, basisName(document.settings.basis));
     settings.row(kFormat, formatName(document.settings.format));
     settings.row(kThreads, std::to_string(document.settings.threads));
+    std::array<char, 32> follows{};
+    const auto written = std::to_chars(follows.data(), follows.data() + follows.size(), document.settings.bodyFollows);
+    settings.row(kBodyFollows, std::string(follows.data(), written.ptr));
     settings.row(kNextId, std::to_string(document.nextId));
     for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
 }
@@ -79,6 +83,10 @@ void readSettings(Database& db, Document& document) {
     require(format.has_value(), "the format is unknown");
     document.settings.format = *format;
     document.settings.threads = static_cast<int>(number(kThreads, 0, 1024));
+    const std::string follows = take(kBodyFollows);
+    const auto read = std::from_chars(follows.data(), follows.data() + follows.size(), document.settings.bodyFollows);
+    require(read.ec == std::errc() && read.ptr == follows.data() + follows.size() && document.settings.bodyFollows >= 0.0 && document.settings.bodyFollows <= CharacterSettings::kMostFollow,
+            "a setting is out of range");
     document.nextId = static_cast<PartId>(number(kNextId, 1, kMaxId));
     document.unknown.settings = std::move(all);
 }

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -24,9 +25,14 @@ namespace imomushi {
 namespace {
 
 /// Default is to be within 1 %. Where it says more than this it is wrong by that, or nearly (tests/elasticity/reference_test.cpp): then it is solved as best is, unless that takes more
-/// than so many nodes. Handles stay as they are: what is stated of them is a mean over their motions.
+/// than so many nodes, by the estimate and by the count. Handles stay as they are: what is stated of them is a mean over their motions.
 constexpr double kDefaultSays = 0.011;
-constexpr int kClimbNodes = 80'000;
+constexpr int kClimbNodes = 80'000, kClimbNodesCounted = 100'000;
+
+/// Nodes of quadratic displacement: corners and edges. As many edges as Euler's formula gives a ball.
+std::int64_t quadraticNodes(const SolvedBody& solved) {
+    return 2 * solved.filling->vertices.rows() + solved.filling->tetrahedra.rows() + solved.mesh.mesh.triangles.rows() / 2 - 1;
+}
 
 std::vector<FaceBasis> basesOf(const ResponseInput& input, std::vector<int>& firstColumn) {
     std::vector<FaceBasis> bases;
@@ -111,8 +117,11 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     return coarser->share * std::sqrt(handles ? sum / static_cast<double>(held.cols()) : largest);
 }
 
-/// `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there.
-Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const Progress& progress) {
+/// Of buildWith().
+constexpr const char* kTooManyNodes = "too-many-nodes";
+
+/// `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there. Errors: also "too-many-nodes", more than `most` of them.
+Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const Progress& progress, std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
     const auto start = std::chrono::steady_clock::now();
     ElementResponse response;
     response.bases = basesOf(input, response.firstColumn);
@@ -129,6 +138,7 @@ Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const 
     auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), fill);
     fill = solved && solved->filling;
     if (!solved) return tl::make_unexpected(solved.error());
+    if (fill && quadraticNodes(*solved) > most) return fail(kTooManyNodes, "The body has too many nodes.");
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
@@ -217,8 +227,8 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, SolverMeshSett
         finer.solverMesh.kind = SolverMeshSetting::Kind::Best;
         if (solvedSize(finer.mesh->body, finer.faces, finer.solverMesh).nodes > kClimbNodes) return response;
         bool filledFiner = true;
-        auto better = buildWith(finer, filledFiner, progress);
-        if (!better && !byInput(better.error())) return better;
+        auto better = buildWith(finer, filledFiner, progress, kClimbNodesCounted);
+        if (!better && better.error().code != kTooManyNodes && !byInput(better.error())) return better;
         if (!better || !filledFiner) return response;
         better->quality.seconds += response->quality.seconds;
         solvedAs = finer.solverMesh;

@@ -24,6 +24,10 @@ struct VolumeDetail {
     /// rims and elsewhere are as short as those of a body of `vertices`.
     double rim = 0.0;
     bool onItself = false;  ///< never on another surface in its place
+    double growth = 0.7;    ///< by how much edges grow per distance from a rim
+    /// Where `rim` is above 0: edges at re-entrant creases of the free surface, where the solution is singular too, over the mean edge of a surface of `vertices`. Without them two bodies of
+    /// spheres that meet were wrong by 2 % whatever the rims had, and did not know.
+    double crease = 0.5;
 };
 
 /// The mesh on which an element is solved, and its relation to the body that is displayed.

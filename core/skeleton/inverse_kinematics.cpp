@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/union_find.h"
 #include "core/skeleton/axial_squash.h"
 #include "core/skeleton/rod_energy.h"
 #include "core/skeleton/roll_field.h"
@@ -38,6 +39,8 @@ constexpr double kMiss = 1e-4;         // mean bone lengths: farther from its ta
 // The part of their twist by which roots turn back per solve(), while targets move and at rest.
 constexpr double kRootReturn = 0.1;
 constexpr double kRootReturnAtRest = 0.6;
+// Pins that are no farther apart than this part of a mean bone, or are drawn together to this part of their moment, do not turn what is upright.
+constexpr double kStands = 0.1;
 // Targets farther away than this many sizes of the skeleton are approached as if they were that far: keeps squares finite.
 constexpr double kFarthest = 1e6;
 
@@ -55,7 +58,13 @@ struct InverseKinematics::State {
         system = BlockCholesky<3>(std::vector<int>(points, 3), rods.pairs());
         targets.held.assign(points, 0), lastHeld = targets.held;
         targets.place.assign(points, Vec3::Zero());
-        targets.directions.reserve(bones);
+        targets.directions.reserve(2 * static_cast<std::size_t>(bones));
+        UnionFind united(input.points.size());
+        for (const auto& bone : input.bones) united.unite(bone.start, bone.end);
+        for (int i = 0; i < points; ++i) component.push_back(united.find(i));
+        stands.resize(input.points.size());
+        for (std::size_t b = 0; b < input.bones.size(); ++b)
+            if (input.bones[b].upright > 0.0) upright.push_back(static_cast<int>(b));
         lastTarget = lastPoints = anchor = x = trial = step = targets.place;
         startFrames.assign(bones, Quaterniond::Identity());
         frames = trialFrames = anchorFrames = startFrames;
@@ -116,7 +125,7 @@ struct InverseKinematics::State {
         for (const auto& goal : goals) {
             const auto same = [&](const IkTargets::Direction& d) { return d.bone == goal.heldBone; };
             if (goal.heldBone >= 0 && std::none_of(targets.directions.begin(), targets.directions.end(), same))
-                targets.directions.push_back({goal.heldBone, (goal.turn * rods.tree().restDirection[goal.heldBone]).normalized()});
+                targets.directions.push_back({goal.heldBone, (goal.turn * rods.tree().restDirection[goal.heldBone]).normalized(), rods.heldStiffness()});
             const Vec3 reach = goal.target - pose.points[goal.point];
             const double distance = safeNorm(reach);
             targets.held[goal.point] = 1;
@@ -124,6 +133,7 @@ struct InverseKinematics::State {
             if (!(distance <= kFarthest * rods.size()))
                 targets.place[goal.point] = pose.points[goal.point] + (reach / reach.cwiseAbs().maxCoeff()).normalized() * (kFarthest * rods.size());
         }
+        addUpright(goals);
         double moved = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
             if (!targets.held[i]) continue;
@@ -225,6 +235,35 @@ struct InverseKinematics::State {
         return report;
     }
 
+    // Bones that keep the direction of rest, turned about +Y as the pins of their character are together: who walks on turns.
+    void addUpright(const std::vector<IkGoal>& goals) {
+        if (upright.empty()) return;
+        std::fill(stands.begin(), stands.end(), Stand());
+        const auto eachPin = [&](const auto& visit) {
+            for (const auto& goal : goals)
+                if (goal.pinned) visit(stands[static_cast<std::size_t>(component[static_cast<std::size_t>(goal.point)])], skeleton().points[static_cast<std::size_t>(goal.point)], targets.place[static_cast<std::size_t>(goal.point)]);
+        };
+        eachPin([](Stand& stand, const Vec3& rest, const Vec3& now) {
+            stand.rest += rest;
+            stand.now += now;
+            ++stand.pins;
+        });
+        eachPin([](Stand& stand, const Vec3& rest, const Vec3& now) {
+            const Vec3 a = rest - stand.rest / stand.pins, b = now - stand.now / stand.pins;
+            stand.cosine += a.x() * b.x() + a.z() * b.z();
+            stand.sine += a.z() * b.x() - a.x() * b.z();
+            stand.spread += a.x() * a.x() + a.z() * a.z();
+        });
+        for (Stand& stand : stands)
+            // Pins that are drawn to one place say no direction.
+            if (std::hypot(stand.cosine, stand.sine) > kStands * stand.spread && stand.spread > kStands * kStands * rods.unit() * rods.unit())
+                stand.turn = Eigen::AngleAxisd(std::atan2(stand.sine, stand.cosine), Vec3::UnitY());
+        for (const int b : upright) targets.directions.push_back({b, turnOf(b) * rods.tree().restDirection[b], skeleton().bones[static_cast<std::size_t>(b)].upright});
+    }
+    [[nodiscard]] const Quaterniond& turnOf(int bone) const {
+        return stands[static_cast<std::size_t>(component[static_cast<std::size_t>(skeleton().bones[static_cast<std::size_t>(bone)].start)])].turn;
+    }
+
     // Turns roots by part of their twist back to the minimal rotation from rest: parallel transport in time is path-dependent (holonomy), so that a body which
     // wanders in space would turn about its bones. Not near the opposite of rest, where the minimal rotation is not unique.
     void untwistRoots(double part) {
@@ -233,10 +272,12 @@ struct InverseKinematics::State {
         for (std::size_t b = 0; b < frames.size(); ++b) {
             if (rods.tree().parent[b] >= 0) continue;
             const Vec3 d = frames[b] * rods.tree().restDirection[b];
-            const Quaterniond spin = minimalRotation(rods.tree().restDirection[b], d) * frames[b].conjugate();
+            const Quaterniond& stands = turnOf(static_cast<int>(b));  // identity but for bones that are upright
+            const Vec3 rest = stands * rods.tree().restDirection[b];
+            const Quaterniond spin = minimalRotation(rest, d) * stands * frames[b].conjugate();
             double angle = 2.0 * std::atan2(spin.vec().dot(d), spin.w());
             angle -= 2.0 * M_PI * std::round(angle / (2.0 * M_PI));
-            const double open = 0.5 * (1.0 + rods.tree().restDirection[b].dot(d));
+            const double open = 0.5 * (1.0 + rest.dot(d));
             const double most = rootRadius / skeleton().bones[b].length;
             angle = std::clamp(angle * part * open * open, -most, most);
             if (angle == 0.0) continue;
@@ -256,6 +297,17 @@ struct InverseKinematics::State {
     AxialSquash squash;
     RollField roll;
     BlockCholesky<3> system;
+
+    // Where the pins of one character are, at rest and now: sums.
+    struct Stand {
+        Vec3 rest = Vec3::Zero(), now = Vec3::Zero();
+        int pins = 0;
+        double cosine = 0.0, sine = 0.0, spread = 0.0;
+        Quaterniond turn = Quaterniond::Identity();  // about +Y
+    };
+    std::vector<int> component;  // per joint point: of the bones that hang together
+    std::vector<Stand> stands;   // by component
+    std::vector<int> upright;    // bones that keep their direction
 
     IkTargets targets;
     std::vector<char> lastHeld;

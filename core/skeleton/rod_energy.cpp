@@ -121,7 +121,7 @@ RodEnergy::Tension RodEnergy::stretch(std::size_t b, double length) const {
     return r;
 }
 
-double RodEnergy::directionStiffness() const { return kGoalForce * size_ / kBendSlack; }
+double RodEnergy::heldStiffness() const { return kGoalForce * size_ / kBendSlack; }
 
 RodEnergy::Tension RodEnergy::stop(const Bend& bend, double curvature) const {
     const double y = (curvature - bend.limit) / kBendSlack, torque = kGoalForce * size_;
@@ -151,7 +151,7 @@ double RodEnergy::energy(const std::vector<Vec3>& points, const IkTargets& targe
     }
     for (const auto& held : targets.directions) {
         const double c = held.direction.dot(directionOf(held.bone, points, frames_[held.bone]));
-        sum += 2.0 * directionStiffness() * (1.0 - c) / std::max(1.0 + c, 1e-12);
+        sum += 2.0 * held.stiffness * (1.0 - c) / std::max(1.0 + c, 1e-12);
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (targets.held[i]) sum += pull(points[i] - targets.place[i]).energy;
@@ -219,8 +219,8 @@ void RodEnergy::linearise(const std::vector<Vec3>& x, const std::vector<Quaterni
         const double cosine = std::max(1.0 + t.dot(d), 1e-9), length = std::max(along(held.bone, x).norm(), 0.01 * bone.length);
         const Vec3 r = 2.0 * t.cross(d) / cosine;
         const Matrix3d jacobian = (2.0 * cross(t) - r * t.transpose()) / cosine * (eye - d * d.transpose()) / length;
-        const Vec3 slope = directionStiffness() * (jacobian.transpose() * r);
-        const Matrix3d h = directionStiffness() * (jacobian.transpose() * jacobian);
+        const Vec3 slope = held.stiffness * (jacobian.transpose() * r);
+        const Matrix3d h = held.stiffness * (jacobian.transpose() * jacobian);
         gradient_[bone.start] -= slope;
         gradient_[bone.end] += slope;
         system.add(bone.start, bone.start, h);

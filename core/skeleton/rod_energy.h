@@ -19,8 +19,9 @@ struct IkTargets {
     struct Direction {
         int bone = -1;
         Vec3 direction = Vec3::UnitX();  ///< unit, start -> end
+        double stiffness = 0.0;          ///< m: torque per discrete curvature
     };
-    std::vector<Direction> directions;  ///< bones that are held as they point
+    std::vector<Direction> directions;  ///< bones that are held as they point, or drawn there
 };
 
 /// The elastic energy of bones as discrete elastic rods (Bergou et al., Discrete elastic rods, SIGGRAPH 2008), with springs that pull held points to their
@@ -28,7 +29,7 @@ struct IkTargets {
 ///   stretch  (strain^2 / 2) L per bone of rest length L, strain from its natural length, and a cubic barrier beyond the bone's stretch limits
 ///   bend     k |kappa|^2 / 2 per pair of neighbours, |kappa| = 2 tan(angle / 2) the discrete curvature, which keeps bones from folding flat, and a cubic barrier
 ///            beyond the bend limit of the child
-///   direction  K |kappa|^2 / 2 between a bone whose direction is held and that direction
+///   direction  K |kappa|^2 / 2 between a bone whose direction is held, or that is upright (Skeleton::Bone), and that direction
 ///   target   a spring whose force saturates, so that targets out of reach do not tear the body
 ///   side     a linear load across compressed straight bones, fixed at the point of linearisation: it chooses a side to buckle to
 /// Allocates in its constructor only.
@@ -40,6 +41,8 @@ public:
     [[nodiscard]] const BoneTree& tree() const { return tree_; }
     [[nodiscard]] double unit() const { return unit_; }  ///< m, mean rest length of the bones
     [[nodiscard]] double size() const { return size_; }  ///< m, of the skeleton
+    /// IkTargets::Direction::stiffness of directions that are held, m.
+    [[nodiscard]] double heldStiffness() const;
     /// Pairs of joint points that the matrix of linearise() couples.
     [[nodiscard]] const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }
 
@@ -73,8 +76,6 @@ private:
     };
     // Tension of a bone of that length, its derivative by the length, and its energy. Twice differentiable.
     [[nodiscard]] Tension stretch(std::size_t bone, double length) const;
-    // K of held directions.
-    [[nodiscard]] double directionStiffness() const;
     // The same of the barrier beyond a bend limit, by the discrete curvature.
     [[nodiscard]] Tension stop(const Bend& bend, double curvature) const;
     // Adds it to the gradient and to `system`, at the discrete curvature r with its derivatives by the points of the bend.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The error that a precompute states beside the error that is there, for bodies of tests/data/reference:
-//   bench_stated_error [--modes] [--write] [--handles] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [NAME ...]
+//   bench_stated_error [--modes] [--write] [--handles] [--rigid] [--bisected N] [--folder FOLDER] [--nu NU] [--setting SETTING ...] [NAME ...]
 //   bench_stated_error --file FILE.obj --place X,Y,Z,RADIUS ... [...]   a body of any file, held by the vertices of triangles within each radius (with --handles by three handles), against
-//     our own finite elements of 20,000 vertices (`change`: from those of 7,000)
+//     our own finite elements on the body itself
 // Errors are over the free vertices, relative to the motion of free and held vertices together (root mean squares), as ResponseQuality::error is: the largest and the root
 // mean square over the motions. These are the cases that the folder has answers to, or, with --modes, every joint mode alone and random ones together, against our own second-order
 // finite elements, extrapolated from rims of two sizes (`change`: the largest difference between them; the answer is off by a tenth of it, about). --write keeps them as
 // NAME.modes.json, at the ratios of all --nu. Settings: default and draft.
-// --handles: three handles take the place of the faces; every move and turn alone, and random ones together.
+// --handles: three handles take the place of the faces; every move and turn alone, and random ones together. --rigid: the same motions of the faces.
 // Where a body cannot be filled with tetrahedra, the reason stands above.
 // Nodes: d: of a decimated body, l: with linear displacement.
 // --bisected N: on the same polyhedron with its triangles bisected to about N vertices of equal spacing, measured at the vertices that it had.
@@ -32,7 +32,10 @@
 #include "core/elasticity/dense_lu.h"
 #include "core/reduction/body_surface.h"
 #include "core/reduction/element_response.h"
+#include "core/reduction/element_statics.h"
+#include "core/reduction/held_modes.h"
 #include "core/reduction/solver_mesh.h"
+#include "core/reduction/volume_body.h"
 #include "core/worker/worker.h"
 #include "tests/support/bisected_body.h"
 #include "tests/support/finite_elements.h"
@@ -171,24 +174,31 @@ std::vector<Points> finiteElements(const ReferenceBody& body, const std::vector<
     return out;
 }
 
-/// Those of our own precompute with another solver mesh, for bodies whose rims gmsh would take hours for.
-std::vector<Points> ownAnswers(const ReferenceBody& body, ResponseInput input, const Eigen::MatrixXd& motions, const std::string& solverMesh) {
-    input.solverMesh = parseSolverMesh(solverMesh).value();
-    input.threads = hardwareThreads();
-    const auto response = buildResponse(input, {});
-    if (!response) return {};
-    const Eigen::MatrixXd u = response->response * motions;
+/// Those of our own finite elements on the body itself, with edges of `rim` times the radius of its face at each rim, for bodies that gmsh would take hours for. Empty: there are none.
+std::vector<Points> ownAnswers(const ReferenceBody& body, const ResponseInput& input, const std::vector<FaceBasis>& bases, const Eigen::MatrixXd& motions, double rim) {
+    const TriangleMesh& mesh = body.mesh->body;
+    const auto element = trimmedElement(input, {});
+    if (!element) return {};
+    const TriangleMesh& trimmed = element->input.mesh->body;
+    const auto solved = volumeBody(BodySurface(trimmed, element->input.faces), {static_cast<int>(trimmed.vertices.rows()), rim, true}, {});
+    if (!solved) {
+        std::printf("  %s\n", solved.error().message.c_str());
+        return {};
+    }
+    std::vector<int> first(1, 0);
+    for (const FaceBasis& basis : bases) first.push_back(first.back() + basis.columns());
+    const HeldModes modes = heldModes(trimmed, element->input.faces, *solved, bases, first);
+    const auto solution = solveStatics(*element, *solved, modes.C * motions, modes.inside * motions, {}, {});
+    if (!solution) return {};
     std::vector<Points> out;
     for (Eigen::Index m = 0; m < motions.cols(); ++m) {
-        Points& all = out.emplace_back(Points::Zero(body.mesh->body.vertices.rows(), 3));
-        Eigen::Index first = 0;
+        Points& all = out.emplace_back(Points::Zero(mesh.vertices.rows(), 3));
         for (std::size_t f = 0; f < body.faces.size(); ++f) {
             const auto& frame = body.faces[f].frame;
-            const Eigen::VectorXd v = motions.col(m).segment(first, response->bases[f].columns());
-            for (const std::int32_t i : body.faces[f].vertices) all.row(i) = (frame.axes * response->bases[f].at(frame.toLocal(body.mesh->body.vertices.row(i).transpose())) * v).transpose();
-            first += response->bases[f].columns();
+            const Eigen::VectorXd v = motions.col(m).segment(first[f], bases[f].columns());
+            for (const std::int32_t i : body.faces[f].vertices) all.row(i) = (frame.axes * bases[f].at(frame.toLocal(mesh.vertices.row(i).transpose())) * v).transpose();
         }
-        for (std::size_t i = 0; i < body.freeVertices.size(); ++i) all.row(body.freeVertices[i]) = u.block<3, 1>(3 * static_cast<Eigen::Index>(i), m).transpose();
+        for (std::size_t i = 0; i < body.freeVertices.size(); ++i) all.row(body.freeVertices[i]) = solution->response.block<3, 1>(3 * static_cast<Eigen::Index>(i), m).transpose();
     }
     return out;
 }
@@ -242,11 +252,13 @@ ReferenceBody readHeldBody(const std::string& file, const std::vector<std::strin
     return body;
 }
 
-/// Finite elements without end, by Richardson's extrapolation from rims of two sizes: there the error falls a little faster than they do. `change`: between the two, the largest relative one.
-std::vector<Points> extrapolated(const ReferenceBody& body, const std::vector<FaceBasis>& bases, const Eigen::MatrixXd& motions, double nu, double& change) {
+/// Finite elements without end, by Richardson's extrapolation from rims of two sizes: there the error falls a little faster than they do. `answers(rim)`: with edges at rims of so many
+/// radii of faces. `change`: between the two, the largest relative one.
+template <class Answers>
+std::vector<Points> extrapolated(const Answers& answers, double& change) {
     constexpr double kRim = 0.012, kCoarser = 2.5, kLeft = 0.5;
-    std::vector<Points> out = finiteElements(body, bases, motions, nu, kRim, 0.5);
-    const std::vector<Points> coarse = finiteElements(body, bases, motions, nu, kRim * kCoarser, 0.5);
+    std::vector<Points> out = answers(kRim);
+    const std::vector<Points> coarse = answers(kRim * kCoarser);
     if (out.empty() || coarse.empty()) return {};
     change = 0.0;
     for (std::size_t m = 0; m < out.size(); ++m) {
@@ -304,7 +316,7 @@ double secondsOfDgetrf(lapack_int n) {
 }
 
 /// `original`: before it was bisected. `written`: gets what is kept of the answers.
-void measure(const ReferenceBody& original, const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, bool own, double nu, const std::vector<std::string>& settings, double bare,
+void measure(const ReferenceBody& original, const ReferenceBody& body, const std::vector<ReferenceCase>& answers, bool modes, bool rigid, bool own, double nu, const std::vector<std::string>& settings, double bare,
              std::vector<ReferenceModes>* written) {
     ResponseInput input;
     input.mesh = body.mesh;
@@ -317,14 +329,13 @@ void measure(const ReferenceBody& original, const ReferenceBody& body, const std
     const bool handles = body.faces.front().disc.has_value();
     Eigen::MatrixXd motions;
     double change = -1.0;
-    if (modes) motions = handles ? rigidMotionsOf(original, bases) : motionsOf(original, bases);
+    if (modes) motions = handles || rigid ? rigidMotionsOf(original, bases) : motionsOf(original, bases);
     if (modes && own) {
-        truth = ownAnswers(body, input, motions, "volume:20000");
-        const std::vector<Points> coarse = ownAnswers(body, input, motions, "volume:7000");
-        if (truth.empty() || coarse.empty()) return;
-        change = errorsOf(body, truth, [&](std::size_t m, std::size_t i) -> Vec3 { return (coarse[m].row(body.freeVertices[i]) - truth[m].row(body.freeVertices[i])).transpose(); }).largest;
+        input.threads = hardwareThreads();
+        truth = extrapolated([&](double rim) { return ownAnswers(body, input, bases, motions, rim); }, change);
+        input.threads = 1;
     } else if (modes) {
-        truth = extrapolated(original, bases, motions, nu, change);
+        truth = extrapolated([&](double rim) { return finiteElements(original, bases, motions, nu, rim, 0.5); }, change);
         if (written && !truth.empty()) written->push_back(kept(original, nu, truth));
     } else {
         motions = motionsOf(body, bases, answers, nu, truth);
@@ -363,7 +374,7 @@ int main(int argc, char** argv) {
     std::string file;
     std::vector<std::string> names, settings, places;
     std::vector<double> ratios;
-    bool modes = false, handles = false, write = false;
+    bool modes = false, handles = false, rigid = false, write = false;
     int bisected = 0;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
@@ -373,6 +384,8 @@ int main(int argc, char** argv) {
             modes = write = true;
         else if (word == "--handles")
             modes = handles = true;
+        else if (word == "--rigid")
+            modes = rigid = true;
         else if (word == "--folder" && i + 1 < argc)
             folder = argv[++i];
         else if (word == "--file" && i + 1 < argc)
@@ -406,7 +419,7 @@ int main(int argc, char** argv) {
             if (bisected > 0) bisect(body, bisected);
             const std::vector<ReferenceCase> answers = modes ? std::vector<ReferenceCase>() : readReferenceCases(folder, name);
             const double bare = secondsOfDgetrf(static_cast<lapack_int>(3 * body.mesh->body.vertices.rows()));
-            for (const double nu : ratios) measure(original, body, answers, modes, !file.empty(), nu, settings, bare, write ? &written : nullptr);
+            for (const double nu : ratios) measure(original, body, answers, modes, rigid, !file.empty(), nu, settings, bare, write ? &written : nullptr);
             if (!written.empty()) writeReferenceModes(folder, name, written);
         }
     } catch (const std::exception& reason) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/document/workbench.h"
+#include "tests/support/thorough.h"
 
 using namespace imomushi;
 
@@ -207,7 +208,7 @@ namespace {
 
 void checkThrown(const std::string& sample) {
     const char* given = std::getenv("IMOMUSHI_SOAK_FRAMES");
-    const int frames = given ? std::clamp(std::atoi(given), 1, 100'000) : 2000;
+    const int frames = given ? std::clamp(std::atoi(given), 1, 100'000) : repeats(600, 2000);
     OnGround scene(sample, {"bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "gravity", "inflate", "touch", "contact", "ground"});
     scene.w.good({{"do", "precompute"}});
     std::vector<std::string> ends;

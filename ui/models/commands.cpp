@@ -76,6 +76,7 @@ Json makeSoft(const Import& import, const std::string& body, std::optional<doubl
     Json command = characterCommand("make-soft", import, body, detail);
     add(command, "bones", bones);
     command["precompute"] = false;
+    command["alive"] = true;
     return command;
 }
 
@@ -83,6 +84,7 @@ Json makeSoft(const std::string& character, const ChosenBones& bones) {
     Json command = {{"do", "make-soft"}, {"character", character}};
     add(command, "bones", bones);
     command["precompute"] = false;
+    command["alive"] = true;
     return command;
 }
 
@@ -93,7 +95,7 @@ Json importSkeleton(const std::string& character, const std::string& path) { ret
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take) { return {{"do", "take-clip"}, {"character", character}, {"clip", clip}, {"take", take}}; }
 
 Json makeSoft(const CharacterSource& character, const Proposal& proposal) {
-    return {{"do", "make-soft"}, {"character", character.name}, {"proposal", proposalJson(character, proposal)}, {"precompute", false}};
+    return {{"do", "make-soft"}, {"character", character.name}, {"proposal", proposalJson(character, proposal)}, {"precompute", false}, {"alive", true}};
 }
 
 Json append(const std::string& path, bool beside) {

@@ -112,6 +112,7 @@ inline constexpr Property<std::string> kBone{"bone"};      ///< an end of a bone
 namespace character {
 inline constexpr const char* kTarget = "character";
 inline constexpr Property<std::string> kBasis{"basis"}, kFormat{"format"};
+inline constexpr Property<double> kBodyFollows{"body-follows"};                             ///< 0: limbs and trunk move alike
 inline constexpr Property<int> kThreads{"threads"};                                         ///< 0: all
 }  // namespace character
 

@@ -31,6 +31,10 @@ CharacterForm::CharacterForm(StudioDocument& document, QWidget* parent) : Inspec
     for (int n = 1; n <= hardwareThreads(); ++n) threads.emplace_back(QString::number(n), n);
     addChoice<int>(tr("Threads"), threads, [this] { return now().settings.threads; }, choose(commands::character::kThreads));
 
+    addNumber(tr("Trunk stays upright"), {{}, 0.0, CharacterSettings::kMostFollow, 0.01, 2, 1.0, 0.0}, {SelectionItem{}},
+              [this](const SelectionItem&) { return std::optional(now().settings.bodyFollows); },
+              [](const SelectionItem&, double value) { return commands::set(commands::character::kTarget, commands::character::kBodyFollows, value); });
+
     addSection(tr("Contents"));
     addFact(tr("Elements"), [this] { return QLocale().toString(qlonglong(now().elements.size())); });
     addFact(tr("Joints"), [this] { return QLocale().toString(qlonglong(now().joints.size())); });

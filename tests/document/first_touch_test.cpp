@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The first touch: each free end of a character that stands is dragged by a fifth of its height in six directions. The limb follows, the trunk stays upright, the feet stay where they are.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/skeleton/body_follows.h"
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// Bones by name, with where their ends are.
+using Ends = std::map<std::string, std::array<Vec3, 2>>;
+
+Ends endsOf(Session& session) {
+    Ends ends;
+    for (const auto& [id, bone] : session.document().bones) ends[bone->name] = {session.positionOf({id, false}).value(), session.positionOf({id, true}).value()};
+    return ends;
+}
+
+double turned(const std::array<Vec3, 2>& from, const std::array<Vec3, 2>& to) {
+    const Vec3 a = from[1] - from[0], b = to[1] - to[0];
+    return kDegrees * std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+struct Touched {
+    int drags = 0;
+    double trunk = 0.0;  ///< degrees, largest turn of a bone of the trunk
+    double feet = 0.0;   ///< of the height, largest move of a pinned end
+    double missed = 0.0; ///< of the drag, largest distance of the end from where it was dragged
+    double stretched = 0.0;  ///< largest strain of a bone
+    int trunkFirst = 0;  ///< drags in which the trunk turned more than the bones of the limb did at most
+    std::string worst;
+};
+
+/// `trunk`: its bones.
+Touched touch(Workbench& w, const std::vector<std::string>& trunk, double height) {
+    Touched out;
+    const Ends rest = endsOf(w.session);
+    const Document document = w.session.document();
+    for (const auto& [id, bone] : document.bones) {
+        const Vec3 at = rest.at(bone->name)[1];
+        const bool free = std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& other) {
+            return other.first != id && ((rest.at(other.second->name)[0] - at).norm() < 1e-9 || (rest.at(other.second->name)[1] - at).norm() < 1e-9);
+        });
+        if (!free || document.goals.contains({id, true})) continue;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double sign : {-1.0, 1.0}) {
+                const Vec3 to = at + 0.2 * height * sign * Vec3::Unit(axis);
+                w.good({{"do", "drag"}, {"endpoint", bone->name + "/end"}, {"to", {to.x(), to.y(), to.z()}}});
+                w.good({{"do", "step"}, {"frames", 120}});
+                const Ends now = endsOf(w.session);
+                double lean = 0.0, limb = 0.0;
+                for (const std::string& name : trunk) lean = std::max(lean, turned(rest.at(name), now.at(name)));
+                for (const auto& [name, ends] : rest)
+                    if (std::find(trunk.begin(), trunk.end(), name) == trunk.end()) limb = std::max(limb, turned(ends, now.at(name)));
+                for (const auto& [name, ends] : rest)
+                    out.stretched = std::max(out.stretched, std::abs((now.at(name)[1] - now.at(name)[0]).norm() / (ends[1] - ends[0]).norm() - 1.0));
+                if (lean > out.trunk) out.trunk = lean, out.worst = bone->name + " " + (sign < 0.0 ? "-" : "+") + "xyz"[axis];
+                if (lean > limb) ++out.trunkFirst;
+                for (const auto& [id2, goal] : document.goals) {
+                    if (!goal.pinned) continue;
+                    const std::string& foot = document.bones.at(id2.bone)->name;
+                    const int e = id2.atEnd ? 1 : 0;
+                    out.feet = std::max(out.feet, (now.at(foot)[static_cast<std::size_t>(e)] - rest.at(foot)[static_cast<std::size_t>(e)]).norm() / height);
+                }
+                out.missed = std::max(out.missed, (now.at(bone->name)[1] - to).norm() / (0.2 * height));
+                ++out.drags;
+                w.good({{"do", "release"}});
+                w.good({{"do", "rest"}});
+            }
+    }
+    return out;
+}
+
+/// Bones with at least this part of the length of all bones on either side: the trunk.
+std::vector<std::string> trunkOf(Session& session) {
+    const Ends ends = endsOf(session);
+    std::vector<std::string> names;
+    Skeleton skeleton;
+    const auto pointAt = [&](const Vec3& at) {
+        for (std::size_t i = 0; i < skeleton.points.size(); ++i)
+            if ((skeleton.points[i] - at).norm() < 1e-9) return static_cast<int>(i);
+        skeleton.points.push_back(at);
+        return static_cast<int>(skeleton.points.size()) - 1;
+    };
+    for (const auto& [name, two] : ends) {
+        Skeleton::Bone bone;
+        bone.start = pointAt(two[0]);
+        bone.end = pointAt(two[1]);
+        bone.length = (two[1] - two[0]).norm();
+        skeleton.bones.push_back(bone);
+    }
+    letBodyFollow(skeleton, 1.0);
+    double most = 0.0;
+    for (const auto& bone : skeleton.bones) most = std::max(most, bone.upright);
+    std::size_t b = 0;
+    for (const auto& [name, two] : ends)
+        if (skeleton.bones[b++].upright >= 0.7 * most) names.push_back(name);
+    return names;
+}
+
+void checkTouch(Workbench& w, const std::string& name) {
+    double low = 1e300, high = -1e300;
+    for (const auto& [id, element] : w.session.document().elements) {
+        low = std::min(low, element->mesh->body.vertices.col(1).minCoeff());
+        high = std::max(high, element->mesh->body.vertices.col(1).maxCoeff());
+    }
+    const std::vector<std::string> trunk = trunkOf(w.session);
+    std::string names;
+    for (const std::string& one : trunk) names += " " + one;
+    const double given = w.session.document().settings.bodyFollows;
+    for (const double follows : {0.0, given > 0.0 ? given : 1.0}) {
+        w.good({{"do", "set"}, {"target", "character"}, {"property", "body-follows"}, {"value", follows}});
+        const Touched t = touch(w, trunk, high - low);
+        MESSAGE(name << ": body follows " << follows << ", " << t.drags << " drags, trunk" << names << " turns " << t.trunk << " degrees (" << t.worst << "), bones stretch by " << 100.0 * t.stretched << " %, feet move " << 100.0 * t.feet
+                     << " % of the height, ends miss " << 100.0 * t.missed << " % of the drag, trunk first " << t.trunkFirst);
+        if (follows == 0.0) continue;
+        CHECK(t.drags > 0);
+        CHECK(t.trunk < 15.0);
+        CHECK(t.feet < 0.01);
+        CHECK(t.trunkFirst == 0);
+        CHECK(t.missed < 0.1);
+    }
+}
+
+void checkSample(const std::string& sample) {
+    Workbench w;
+    w.good({{"do", "open"}, {"path", std::string(IMOMUSHI_SAMPLES) + "/" + sample + ".imomushi"}});
+    for (const char* effect : {"bone-dynamics", "ground"})
+        if (w.session.document().effects.has(*effectNamed(effect))) w.good({{"do", "disable"}, {"effect", effect}});
+    if (sample == "figure") w.good({{"do", "unpin"}, {"endpoint", "spine-bone/start"}});  // stands on its feet alone
+    checkTouch(w, sample);
+}
+
+/// Made soft and alive, not precomputed: bones alone move.
+void checkStranger(const std::filesystem::path& path) {
+    if (!std::filesystem::exists(path)) {
+        MESSAGE("Left out: " << path.string() << " is not there.");
+        return;
+    }
+    Workbench w;
+    w.session.setCharacterImporter({});
+    const Json made = w.good({{"do", "make-soft"}, {"path", path.string()}, {"precompute", false}, {"alive", true}});
+    CHECK(made["refused"].empty());
+    CHECK(w.session.document().settings.bodyFollows == 1.0);
+    for (const EffectKind kind : {EffectKind::BendWarp, EffectKind::SmoothJoints, EffectKind::BoneDynamics, EffectKind::Ground}) CHECK(w.session.document().effects.has(kind));
+    for (const char* effect : {"bone-dynamics", "ground"}) w.good({{"do", "disable"}, {"effect", effect}});
+    checkTouch(w, path.stem().string());
+}
+
+}  // namespace
+
+TEST_CASE("first touch: what is made alive has its effects, and without the key nothing is enabled") {
+    const std::string file = IMOMUSHI_TEST_DATA "/characters/panda.glb";
+    Workbench w;
+    w.session.setCharacterImporter({});
+    w.good({{"do", "make-soft"}, {"path", file}, {"precompute", false}});
+    CHECK(w.session.document().settings.bodyFollows == 0.0);
+    for (std::size_t k = 0; k < kEffects; ++k) CHECK_FALSE(w.session.document().effects.has(static_cast<EffectKind>(k)));
+}
+
+TEST_CASE("first touch: characters of others that stand keep their trunks upright and their feet where they are") {
+    for (const char* file : {"mannequin", "avatar", "panda"}) checkStranger(std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters" / (std::string(file) + ".glb"));
+}
+
+TEST_CASE("first touch: samples that stand keep their trunks upright and their feet where they are") {
+    for (const char* sample : {"figure", "dragon"}) checkSample(sample);
+}
