@@ -176,6 +176,10 @@
             <translation>コマンドを検索(&amp;C)…</translation>
         </message>
         <message>
+            <source>Ma&amp;nual</source>
+            <translation>マニュアル(&amp;N)</translation>
+        </message>
+        <message>
             <source>&amp;Mouse and keys</source>
             <translation>マウスとキー(&amp;M)</translation>
         </message>
@@ -3562,6 +3566,38 @@
         <message>
             <source>%1 (missing)</source>
             <translation>%1（見つかりません）</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ManualDialog</name>
+        <message>
+            <source>Manual</source>
+            <translation>マニュアル</translation>
+        </message>
+        <message>
+            <source>Back</source>
+            <translation>戻る</translation>
+        </message>
+        <message>
+            <source>Forward</source>
+            <translation>進む</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>Search the manual</source>
+            <translation>マニュアルを検索</translation>
+        </message>
+        <message>
+            <source>Contents</source>
+            <translation>目次</translation>
+        </message>
+        <message>
+            <source>en</source>
+            <comment>folder of the manual in this language</comment>
+            <translation>ja</translation>
         </message>
     </context>
     <context>

@@ -25,9 +25,11 @@ QString thumbnailPath(const QString& path) {
     return folder + u'/' + QString::fromLatin1(hash) + QStringLiteral(".png");
 }
 
-QStringList sampleFolders() {
-    return {QCoreApplication::applicationDirPath() + QStringLiteral("/../share/imomushi/samples"), QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples")};
+/// Where what comes with the program may lie: installed, or in the source.
+QStringList foldersOf(const QString& what) {
+    return {QCoreApplication::applicationDirPath() + QStringLiteral("/../share/imomushi/") + what, QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/") + what};
 }
+QStringList sampleFolders() { return foldersOf(QStringLiteral("samples")); }
 
 }  // namespace
 
@@ -84,6 +86,12 @@ bool isSample(const QString& path) {
     for (const QString& samplesIn : sampleFolders())
         if (!folder.isEmpty() && folder == QFileInfo(samplesIn).canonicalFilePath()) return true;
     return false;
+}
+
+QString manualFolder(const QString& language) {
+    for (const QString& folder : foldersOf(QStringLiteral("manual/") + language))
+        if (QDir(folder).exists()) return QDir::cleanPath(folder);
+    return {};
 }
 
 }  // namespace imomushi

@@ -30,6 +30,8 @@ struct Sample {
     QString picture;  ///< a JPEG file beside it
 };
 QList<Sample> samples();
+/// The pages of the manual in a language ("en", "ja"); empty: they are not there.
+QString manualFolder(const QString& language);
 [[nodiscard]] bool isSample(const QString& path);
 
 }  // namespace imomushi

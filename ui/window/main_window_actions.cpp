@@ -5,6 +5,7 @@
 
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
+#include "ui/dialogs/manual_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
@@ -52,6 +53,13 @@ void MainWindow::connectActions() {
     connectTakeActions();
     connectViewActions();
     on("search", [this] { (new CommandSearch(actions_->all(), this))->popUp(); });
+    on("manual", [this] {
+        auto* manual = findChild<ManualDialog*>();
+        if (!manual) manual = new ManualDialog(this);
+        manual->show();
+        manual->raise();
+        manual->activateWindow();
+    });
     on("controls", [this] { ControlsDialog(*actions_, viewport_->navigationPreset() == NavigationPreset::Blender, this).exec(); });
     on("about", [this] { AboutDialog(this).exec(); });
 }

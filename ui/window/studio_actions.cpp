@@ -89,6 +89,7 @@ constexpr Row kRows[] = {
     {"language-en", "", "English", "", true},
     {"language-ja", "", "日本語", "", true},
     {"search", "search", QT_TRANSLATE_NOOP("Actions", "Search &commands…"), "F3; Ctrl+Shift+P"},
+    {"manual", "manual", QT_TRANSLATE_NOOP("Actions", "Ma&nual"), "Ctrl+F1"},
     {"controls", "mouse", QT_TRANSLATE_NOOP("Actions", "&Mouse and keys"), "F1"},
     {"about", "info", QT_TRANSLATE_NOOP("Actions", "&About Imomushi"), ""},
 };

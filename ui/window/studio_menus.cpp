@@ -53,7 +53,7 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*addMenu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(*addMenu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
     fill(*view, {"", "full-screen"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Help")), {"controls", "search", "", "about"});
+    fill(*addMenu(nullptr, QT_TR_NOOP("&Help")), {"manual", "controls", "search", "", "about"});
 }
 
 void StudioMenus::buildToolBar() {
