@@ -188,6 +188,13 @@
                 <numerusform>%n clips came along.</numerusform>
             </translation>
         </message>
+        <message numerus="yes">
+            <source>“%1” has %n clip(s) more: make takes of them.</source>
+            <translation>
+                <numerusform>“%1” has %n clip more: make a take of it.</numerusform>
+                <numerusform>“%1” has %n clips more: make takes of them.</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::RigFlow</name>

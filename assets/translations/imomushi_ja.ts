@@ -311,6 +311,10 @@
             <source>Propose bones &amp;and cuts</source>
             <translation>ボーンと切断を提案(&amp;A)</translation>
         </message>
+        <message>
+            <source>Impo&amp;rt clips…</source>
+            <translation>クリップを読み込む(&amp;R)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -751,8 +755,8 @@
             <translation>ファイルを書き込めません。フォルダーとアクセス権を確認してください。</translation>
         </message>
         <message>
-            <source>This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.</source>
-            <translation>このファイル形式には対応していません。OBJ、PLY、STL、glTF、FBX、DAE を使ってください。</translation>
+            <source>This file format is not known. Use OBJ, PLY, STL, glTF, VRM, FBX or DAE.</source>
+            <translation>このファイル形式には対応していません。OBJ、PLY、STL、glTF、VRM、FBX、DAE を使ってください。</translation>
         </message>
         <message>
             <source>The file is damaged and cannot be used.</source>
@@ -1198,6 +1202,26 @@
             <source>This effect cannot wait for poses that call for it.</source>
             <translation>このエフェクトは、必要なポーズになるのを待つことができません。</translation>
         </message>
+        <message>
+            <source>The file is glTF 1. Export it again as glTF 2.0, or convert it with gltf-pipeline.</source>
+            <translation>glTF 1 のファイルです。glTF 2.0 で書き出し直すか、gltf-pipeline で変換してください。</translation>
+        </message>
+        <message>
+            <source>The file is FBX older than version 7. Export it as FBX 2011 or later, or convert it with Autodesk’s FBX Converter.</source>
+            <translation>バージョン 7 より古い FBX です。FBX 2011 以降で書き出すか、Autodesk の FBX Converter で変換してください。</translation>
+        </message>
+        <message>
+            <source>The file holds gaussian splats, which have no surface. Make a mesh of it in the program that it came from.</source>
+            <translation>ファイルの中身はガウシアンスプラットで、面がありません。作成したソフトでメッシュにしてください。</translation>
+        </message>
+        <message>
+            <source>A VRM file is one avatar with all humanoid bones. Begin with a VRM file, or export glTF.</source>
+            <translation>VRM は人型ボーンがすべてそろったアバター 1 体のファイルです。VRM ファイルから始めるか、glTF で書き出してください。</translation>
+        </message>
+        <message>
+            <source>No bone of the clips has a counterpart in the skeleton of the character.</source>
+            <translation>クリップのボーンに対応するものが、キャラクターの骨格にありません。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1357,6 +1381,38 @@
             <source>Vertices of no triangle were left out.</source>
             <translation>どの三角形にも属さない頂点を除きました。</translation>
         </message>
+        <message>
+            <source>A VRM avatar: its humanoid bones, expressions and licence came along.</source>
+            <translation>VRM アバター: 人型ボーン、表情、ライセンスも読み込みました。</translation>
+        </message>
+        <message>
+            <source>Springs, first person and look-at of the avatar are kept for export and move nothing here.</source>
+            <translation>アバターの揺れもの、一人称表示、視線の設定は書き出し用に保たれます。ここでは何も動かしません。</translation>
+        </message>
+        <message>
+            <source>What the avatar says of pictures, materials and things that did not come with it was left out.</source>
+            <translation>アバターの画像、マテリアル、読み込まれなかったものについての設定は省かれました。</translation>
+        </message>
+        <message>
+            <source>What the avatar says wrongly or of things that do not exist was left out.</source>
+            <translation>アバターの設定のうち、誤りのあるものや存在しないものについてのものは省かれました。</translation>
+        </message>
+        <message>
+            <source>Textures in KTX2 are not read and were left out. Export them as PNG or JPEG.</source>
+            <translation>KTX2 のテクスチャは読み込めないため省かれました。PNG か JPEG で書き出してください。</translation>
+        </message>
+        <message>
+            <source>Gaussian splats have no surface and were left out.</source>
+            <translation>ガウシアンスプラットには面がないため省かれました。</translation>
+        </message>
+        <message>
+            <source>The first animation moves nothing and was left out.</source>
+            <translation>最初のアニメーションは何も動かさないため省かれました。</translation>
+        </message>
+        <message>
+            <source>Clips also move lights, cameras or materials, which was left out.</source>
+            <translation>クリップはライト、カメラ、マテリアルも動かしますが、その部分は省かれました。</translation>
+        </message>
     </context>
     <context>
         <name>Stages</name>
@@ -1439,6 +1495,10 @@
         <message>
             <source>Recording</source>
             <translation>記録中</translation>
+        </message>
+        <message>
+            <source>Fitting clips</source>
+            <translation>クリップを合わせています</translation>
         </message>
     </context>
     <context>
@@ -1629,6 +1689,14 @@
         <message>
             <source>Take of a clip</source>
             <translation>クリップのテイク</translation>
+        </message>
+        <message>
+            <source>Import clips</source>
+            <translation>クリップの読み込み</translation>
+        </message>
+        <message>
+            <source>Show expression</source>
+            <translation>表情の表示</translation>
         </message>
     </context>
     <context>
@@ -2282,6 +2350,24 @@
             <translation>
                 <numerusform>%n 個のクリップも読み込みました。</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>Import clips</source>
+            <translation>クリップを読み込む</translation>
+        </message>
+        <message>
+            <source>Importing the clips of “%1”</source>
+            <translation>「%1」のクリップを読み込んでいます</translation>
+        </message>
+        <message numerus="yes">
+            <source>“%1” has %n clip(s) more: make takes of them.</source>
+            <translation>
+                <numerusform>「%1」にクリップが %n 個加わりました。テイクにできます。</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>It has no counterpart of these bones: %1</source>
+            <translation>次のボーンに対応するものがありません: %1</translation>
         </message>
     </context>
     <context>
@@ -4015,8 +4101,8 @@
             <translation>リグ付きファイルから</translation>
         </message>
         <message>
-            <source>glTF, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.</source>
-            <translation>骨格のある glTF、FBX、DAE。ボーンは柔らかい手足に、クリップはテイクになります。</translation>
+            <source>glTF, VRM, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.</source>
+            <translation>骨格のある glTF、VRM、FBX、DAE。ボーンは柔らかい手足に、クリップはテイクになります。</translation>
         </message>
     </context>
     <context>
@@ -4675,6 +4761,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>The pose as it is</source>
             <translation>今のポーズ</translation>
         </message>
+        <message>
+            <source>VRM 1.0 avatar</source>
+            <translation>VRM 1.0 アバター</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::ExportReportView</name>
@@ -5231,6 +5321,32 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>About %1</source>
             <translation>%1 軸まわり</translation>
+        </message>
+        <message>
+            <source>Avatar (VRM %1)</source>
+            <translation>アバター (VRM %1)</translation>
+        </message>
+        <message>
+            <source>Expression</source>
+            <translation>表情</translation>
+        </message>
+        <message>
+            <source>Humanoid bones</source>
+            <translation>人型ボーン</translation>
+        </message>
+        <message>
+            <source>Springs</source>
+            <translation>揺れもの</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n, kept for export</source>
+            <translation>
+                <numerusform>%n 個 (書き出し用に保持)</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Licence of the avatar</source>
+            <translation>アバターのライセンス</translation>
         </message>
     </context>
     <context>

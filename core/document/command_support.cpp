@@ -148,6 +148,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addHandleCommands(registry);
     addAttachCommands(registry);
     addMorphCommands(registry);
+    addAvatarCommands(registry);
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);

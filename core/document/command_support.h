@@ -113,6 +113,8 @@ Json rigJson(const Rig* rig);
 Json issueJson(const MeshIssue& issue);
 /// Morph targets: name, weight, weight at rest.
 Json morphsJson(const Document& document, const CharacterSource& character);
+/// What a VRM file says of its figure: version, licence {field: text}, expressions [{name, morphs}], springs, first_person, look_at. The rig has an avatar.
+Json avatarJson(const Rig& rig);
 /// A body and how it was made.
 Json bodyJson(const Body& body);
 
@@ -151,6 +153,7 @@ void addMakeSoftCommand(CommandRegistry& registry);   // make-soft
 void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
 void addAttachCommands(CommandRegistry& registry);    // attach, turn-part
 void addMorphCommands(CommandRegistry& registry);     // morph
+void addAvatarCommands(CommandRegistry& registry);    // express
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable

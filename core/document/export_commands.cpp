@@ -224,7 +224,7 @@ void addExportCommands(CommandRegistry& registry) {
                        "Writes the character with its takes for other programs, reads the file back and compares it. Errors are distances over the bounding-box "
                        "diagonal of the character. Metres, +Y up, times from 0. An imported character goes out as its file's own mesh: triangles, parts, materials, texture coordinates "
                        "and vertices as there and in that order (\"write-mesh\" says which); other elements as their bodies. The answer says which in \"written\".",
-                       {{"path", Type::Text, true, "A file that ends in .glb, or in .fbx, which needs Blender; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
+                       {{"path", Type::Text, true, "A file that ends in .glb, in .fbx, which needs Blender, or in .vrm: an avatar that came from a VRM file, as VRM 1.0, in the layout skinned; for caches in .pc2, .mdd, .obj or .ply (a file per frame, numbered)."},
                         {"layout", Type::Text, true,
                          "\"baked\": a node and morph targets per element (a character: a mesh per part, on a skin with a joint per element); \"rigged\": the same in one skeleton, with what drives it live; \"skinned\": weights "
                          "of four joints per vertex, no morph targets; \"cache\": all vertices in all frames, to be put on the file that a character came from; several characters have a cache each, "

@@ -122,6 +122,7 @@ Result<Json> importCharacterCommand(DocumentEdit& edit, const Json& arguments, c
     answer["elements"] = line["elements"];
     answer["skeleton"] = line["skeleton"];
     answer["clips"] = line["clips"];
+    if (line.contains("avatar")) answer["avatar"] = line["avatar"];
     answer["issues"] = Json::array();
     for (const MeshIssue& issue : added->issues) answer["issues"].push_back(issueJson(issue));
     answer["format"] = imported.format;
@@ -168,6 +169,7 @@ Json characterJson(const Document& document, const CharacterSource& character) {
     Json answer{{"name", character.name}, {"parts", partsJson(document, character)}, {"body", bodyJson(*character.body)}, {"cuts", std::move(cuts)}, {"elements", std::move(elements)}};
     answer.update(rigJson(character.rig.get()));
     if (!character.model->morphs.empty()) answer["morphs"] = morphsJson(document, character);
+    if (character.rig && !character.rig->avatar.empty()) answer["avatar"] = avatarJson(*character.rig);
     return answer;
 }
 
@@ -180,7 +182,7 @@ Json charactersJson(const Document& document) {
 void addImportCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("import-element",
-                       "Imports a mesh (OBJ, PLY, STL, glTF, GLB, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
+                       "Imports a mesh (OBJ, PLY, STL, glTF, GLB, VRM, FBX, DAE) as one element or several. Mends what can be mended and tells it.",
                        {{"path", Type::Text, true, "The file."},
                         {"name", Type::Text, false, "A name that no element, bone, handle, character or cut has (from the file unless given; numbered where there are several)."},
                         {"unit", Type::Text, false, "\"mm\", \"cm\" or \"m\": the unit of the file (its own unless given; metres where it has none)."},

@@ -11,9 +11,10 @@ namespace imomushi {
 namespace {
 
 constexpr const char* kRigTables = R"(
-CREATE TABLE rigs (character INTEGER PRIMARY KEY, to_scene BLOB, first BLOB, bone BLOB, weight BLOB);
+CREATE TABLE rigs (character INTEGER PRIMARY KEY, to_scene BLOB, first BLOB, bone BLOB, weight BLOB, avatar TEXT);
 CREATE TABLE rig_bones (character INTEGER, position INTEGER, name TEXT, parent INTEGER, node INTEGER, head BLOB, tail BLOB, rotation BLOB, PRIMARY KEY (character, position));
 CREATE TABLE rig_nodes (character INTEGER, position INTEGER, name TEXT, parent INTEGER, translation BLOB, rotation BLOB, scale BLOB, PRIMARY KEY (character, position));
+CREATE TABLE rig_roles (character INTEGER, position INTEGER, role TEXT, bone INTEGER, PRIMARY KEY (character, position));
 CREATE TABLE rig_clips (character INTEGER, position INTEGER, name TEXT, seconds REAL, PRIMARY KEY (character, position));
 CREATE TABLE rig_tracks (character INTEGER, clip INTEGER, position INTEGER, node INTEGER, path INTEGER, interpolation INTEGER, times BLOB, numbers BLOB,
     PRIMARY KEY (character, clip, position));
@@ -34,18 +35,19 @@ Vec3 readFilePoint(RowReader& row) {
 void createRigTables(Database& db) { db.run(kRigTables); }
 
 void writeRigs(Database& db, const Document& document) {
-    RowWriter rigs(db, "INSERT INTO rigs VALUES (?,?,?,?,?)"), bones(db, "INSERT INTO rig_bones VALUES (?,?,?,?,?,?,?,?)"), nodes(db, "INSERT INTO rig_nodes VALUES (?,?,?,?,?,?,?)"),
-        clips(db, "INSERT INTO rig_clips VALUES (?,?,?,?)"), tracks(db, "INSERT INTO rig_tracks VALUES (?,?,?,?,?,?,?,?)"),
+    RowWriter rigs(db, "INSERT INTO rigs VALUES (?,?,?,?,?,?)"), bones(db, "INSERT INTO rig_bones VALUES (?,?,?,?,?,?,?,?)"), nodes(db, "INSERT INTO rig_nodes VALUES (?,?,?,?,?,?,?)"),
+        roles(db, "INSERT INTO rig_roles VALUES (?,?,?,?)"), clips(db, "INSERT INTO rig_clips VALUES (?,?,?,?)"), tracks(db, "INSERT INTO rig_tracks VALUES (?,?,?,?,?,?,?,?)"),
         morphs(db, "INSERT INTO rig_morph_tracks VALUES (?,?,?,?,?,?,?)");
     for (const auto& [id, character] : document.characters) {
         if (!character->rig) continue;
         const Rig& rig = *character->rig;
-        rigs.row(id, rig.toScene, rig.weights.first, rig.weights.bone, rig.weights.weight);
+        rigs.row(id, rig.toScene, rig.weights.first, rig.weights.bone, rig.weights.weight, rig.avatar);
         for (std::size_t i = 0; i < rig.bones.size(); ++i) {
             const RigBone& b = rig.bones[i];
             bones.row(id, i, b.name, b.parent, b.node, b.head, b.tail, b.rotation.coeffs());
         }
         for (std::size_t i = 0; i < rig.nodes.size(); ++i) nodes.row(id, i, rig.nodes[i].name, rig.nodes[i].parent, rig.nodes[i].translation, rig.nodes[i].rotation.coeffs(), rig.nodes[i].scale);
+        for (std::size_t i = 0; i < rig.roles.size(); ++i) roles.row(id, i, rig.roles[i].role, rig.roles[i].bone);
         for (std::size_t i = 0; i < rig.clips.size(); ++i) {
             clips.row(id, i, rig.clips[i].name, rig.clips[i].seconds);
             for (std::size_t k = 0; k < rig.clips[i].tracks.size(); ++k) {
@@ -70,7 +72,7 @@ void readRigs(Database& db, Document& document) {
         const auto place = rigs.array<double>(16);
         require(place.size() == 16, "a skeleton is broken");
         rig.toScene = Eigen::Map<const Eigen::Matrix4d>(place.data());
-        readColumns(rigs, rig.weights.first, rig.weights.bone, rig.weights.weight);
+        readColumns(rigs, rig.weights.first, rig.weights.bone, rig.weights.weight, rig.avatar);
     }
     const auto rigAt = [&](PartId id) -> Rig& {
         const auto found = read.find(id);
@@ -93,6 +95,13 @@ void readRigs(Database& db, Document& document) {
         n.translation = readFilePoint(nodes);
         readColumns(nodes, n.rotation);
         n.scale = readFilePoint(nodes);
+    }
+    RowReader roles(db, "SELECT * FROM rig_roles ORDER BY character, position");
+    while (roles.next()) {
+        Rig& rig = rigAt(readId(roles));
+        readPosition(roles, rig.roles.size());
+        RigRole& r = rig.roles.emplace_back();
+        readColumns(roles, r.role, Within{r.bone, 0, kLargestIndex});
     }
     RowReader clips(db, "SELECT * FROM rig_clips ORDER BY character, position");
     while (clips.next()) {

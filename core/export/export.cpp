@@ -8,6 +8,7 @@
 #include "core/export/gltf_check.h"
 #include "core/export/gltf_writer.h"
 #include "core/export/normal_targets.h"
+#include "core/export/vrm_writer.h"
 
 namespace imomushi {
 
@@ -27,12 +28,20 @@ std::vector<double> plainShape(const ShapeLayout& layout) {
 
 }  // namespace
 
-Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& whole) {
-    const bool fbx = path.extension() == ".fbx";
+Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& asked, const std::filesystem::path& path, const Progress& whole) {
+    const bool fbx = path.extension() == ".fbx", vrm = path.extension() == ".vrm";
+    ExportOptions options = asked;
     const double own = fbx ? kBeforeBlender : 1.0;
     const Progress progress = whole.part(0.0, own);
     if (scene.clips.empty()) return fail("bad-value", "There is nothing to export: a clip is missing.");
     if (scene.character.elements.empty()) return fail("no-element", "There is nothing to export: import an element first.");
+    if (vrm) {
+        // Its players move bones: vertices that follow elements instead would stay behind.
+        if (options.layout != ExportLayout::Skinned) return fail("bad-value", "A VRM avatar is moved by its bones: choose the layout \"skinned\".");
+        std::vector<const Rig*> rigs;
+        for (const auto& rig : scene.rigs) rigs.push_back(rig.rig.get());
+        IMOMUSHI_TRY(options.avatar, avatarOf(rigs));
+    }
     ExportReport report;
     progress.report("prepare", 0.0);
     IMOMUSHI_TRY(auto motion, Motion::build(scene, options.fps, progress));
@@ -42,8 +51,8 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
         if (auto written = writeCache(motion, scene, path, report, progress.part(0.1, 1.0)); !written) return tl::unexpected(written.error());
         return report;
     }
-    if (!fbx && path.extension() != ".glb")
-        return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb or .fbx.");
+    if (!fbx && !vrm && path.extension() != ".glb")
+        return fail("unknown-format", "\"" + path.string() + "\" is no place for a character: its name must end in .glb, .vrm or .fbx.");
 
     GltfContent content{scene, options, motion, {}, {}, {}, {}};
     // Normals are those of the positions that they go with: a skin begins with the body as loads leave it.

@@ -63,6 +63,7 @@ struct ExportOptions {
     bool split = false;      ///< a target for each sign of a weight: weights stay within 0 ... 1
     bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate and weight
     bool normals = false;    ///< morph targets move normals too
+    const Rig* avatar = nullptr;  ///< of the scene: it goes out as VRM 1.0 too; exportScene() finds it for a path that ends in .vrm
     double tolerance = 0.0;  ///< keys are left out where the others say the same within this part of the diagonal
 };
 
@@ -108,8 +109,8 @@ struct ExportReport {
     std::vector<ExportWarning> warnings;
 };
 
-/// Writes a scene: .glb, .fbx (fbx.h; weights should be split, as Blender clamps them), or for caches .pc2, .mdd, .obj, .ply (cache_writer.h). Files appear
-/// whole or not at all. What was written is read back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant),
+/// Writes a scene: .glb, .vrm (a .glb file of one avatar, in the layout Skinned), .fbx (fbx.h; weights should be split, as Blender clamps them), or for caches .pc2, .mdd, .obj, .ply (cache_writer.h). Files appear
+/// whole or not at all. What was written is read back and compared. Errors: "unknown-format", "bad-value", "not-writable", "not-readable" (what was written is not what was meant), "not-an-avatar",
 /// "needs-blender", "not-converted", "cancelled".
 Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& options, const std::filesystem::path& path, const Progress& progress);
 

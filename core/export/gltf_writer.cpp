@@ -10,6 +10,7 @@
 #include "core/export/gltf_file.h"
 #include "core/export/gltf_rigs.h"
 #include "core/export/key_reduction.h"
+#include "core/export/vrm_writer.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
@@ -61,6 +62,19 @@ public:
         Json scene{{"name", scene_.name}, {"nodes", std::move(roots)}};
         scene["extras"] = {{"unit", "m"}, {"fps", options_.fps > 0.0 ? options_.fps : framesPerSecond(content_.motion)}};
         file_.add("scenes", std::move(scene));
+        if (options_.avatar) {
+            VrmPlaces places;
+            places.node = [this](int bone) { return rigs_.bone(avatarBone(bone)); };
+            places.parts = [this](const std::string& part) {
+                std::vector<int> nodes;
+                for (std::size_t s = 0; s < content_.surfaces.size(); ++s)
+                    if (begins(s) && content_.surfaces[s].element < 0 && content_.surfaces[s].name == part) nodes.push_back(surfaceNodes_[s]);
+                return nodes;
+            };
+            for (const int node : surfaceNodes_)
+                if (file_.root["nodes"][static_cast<std::size_t>(node)].contains("mesh") && (places.meshNodes.empty() || places.meshNodes.back() != node)) places.meshNodes.push_back(node);
+            addAvatar(*options_.avatar, places, file_);
+        }
         std::string bytes = file_.glb();
         if (bytes.empty()) return fail("too-large", "The file would be larger than glTF allows (4 GiB): choose fewer targets, or export elements by themselves.");
         return bytes;
@@ -217,6 +231,16 @@ private:
         if (textures_.empty()) file_.add("samplers", {{"magFilter", 9729}, {"minFilter", 9987}, {"wrapS", 10497}, {"wrapT", 10497}});
         const int image = file_.add("images", {{"name", texture.name}, {"mimeType", texture.mimeType}, {"bufferView", file_.view(texture.bytes.data(), texture.bytes.size(), Target::None)}});
         return textures_[key] = file_.add("textures", {{"name", texture.name}, {"sampler", 0}, {"source", image}});
+    }
+
+    /// Bones are counted over all rigs.
+    [[nodiscard]] std::size_t avatarBone(int bone) const {
+        std::size_t first = 0;
+        for (const auto& rig : scene_.rigs) {
+            if (rig.rig.get() == options_.avatar) break;
+            first += rig.rig->bones.size();
+        }
+        return first + static_cast<std::size_t>(bone);
     }
 
     /// A node with its mesh: a surface, or all of a part.

@@ -165,7 +165,7 @@ Result<RawScene> readScene(const SourceFile& file, SceneUse use) {
     if (format == "stl") return readStl(file);
     if (format == "gltf" || format == "glb") return readGltf(file, use);
     if (!format.empty()) return readByAssimp(file, format, use);
-    return fail("unknown-format", file.quoted() + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, FBX and DAE can.");
+    return fail("unknown-format", file.quoted() + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, VRM, FBX and DAE can.");
 }
 
 Result<ImportResult> buildResult(RawScene scene, const ImportRequest& request, const Progress& progress) {
@@ -212,7 +212,7 @@ Result<CharacterFile> buildCharacter(RawScene scene, const ImportRequest& reques
         if (const std::string fault = checkRig(*file.rig, static_cast<std::size_t>(mesh.body.vertices.rows())); !fault.empty())
             return fail("non-finite", quoted + " has bones that cannot be computed with (" + fault + "): scale the scene down in the program that made it.");
         if (mesh.body.triangles.rows() == 0 && !request.bonesSuffice)
-            return fail("empty-mesh", quoted + " holds bones but no mesh: choose a file with a mesh, and bring these bones to it afterwards.");
+            return fail("empty-mesh", quoted + " holds bones but no mesh: choose a file with a mesh, and bring these bones or clips to it afterwards.");
         if (mesh.body.triangles.rows() == 0) return file;
     }
     progress.report("check", 0.5);

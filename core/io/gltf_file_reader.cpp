@@ -47,12 +47,17 @@ GltfFileReader::GltfFileReader(const SourceFile& file) : file_(file) {
     openContainer();
     if (!json_.is_object()) refuse("holds no glTF scene.");
     const std::string version = text(member(member(json_, "asset"), "version"));
+    if (version.substr(0, 1) == "1" || (version.empty() && !member(json_, "techniques").is_null())) refuseAsOld("glTF version '" + cleanName(version, "1") + "'");
     if (version.substr(0, 2) != "2.") refuse("is glTF version '" + cleanName(version, "?") + "'; export it as version 2.");
     checkExtensions();
     buffers_.resize(list("buffers").size());
 }
 
 void GltfFileReader::refuse(const std::string& what) const { throw Refused{badFile(file_, 0, what).value()}; }
+
+void GltfFileReader::refuseAsOld(const std::string& what) const {
+    throw Refused{{"old-gltf", file_.quoted() + " is " + what + ", and 2 is read: export it again as glTF 2.0, or convert it with gltf-pipeline."}};
+}
 
 void GltfFileReader::refuseAsTooLarge() const { throw Refused{tooManyVertices(file_).value()}; }
 
@@ -107,6 +112,7 @@ void GltfFileReader::openContainer() {
             return v;
         };
         if (text.size() < 20) refuse("is cut off: export it again.");
+        if (word(4) == 1) refuseAsOld("GLB version 1");
         if (word(4) != 2) refuse("is GLB version " + std::to_string(word(4)) + "; export it as version 2.");
         if (word(8) > text.size()) refuse("is cut off: it announces " + std::to_string(word(8)) + " bytes and has " + std::to_string(text.size()) + "; export it again.");
         text = {};
@@ -135,7 +141,8 @@ void GltfFileReader::openContainer() {
 
 void GltfFileReader::checkExtensions() const {
     static const char* const kKnown[] = {"KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp", "KHR_texture_basisu",
-                                         "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
+                                         "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
+                                         "KHR_animation_pointer", "KHR_gaussian_splatting", "VRMC_vrm", "VRMC_springBone", "VRMC_materials_mtoon"};
     for (const Json& name : list("extensionsRequired")) {
         const std::string extension = text(name);
         const bool known = extension.rfind("KHR_materials_", 0) == 0 || std::find(std::begin(kKnown), std::end(kKnown), extension) != std::end(kKnown);

@@ -35,6 +35,7 @@ public:
     /// "bad-file": "'horse.glb' <what>".
     [[noreturn]] void refuse(const std::string& what) const;
     [[noreturn]] void refuseAsTooLarge() const;
+    [[noreturn]] void refuseAsOld(const std::string& what) const;  ///< "old-gltf"
 
     /// A member of an object, null where there is none.
     static const Json& member(const Json& object, const char* key);

@@ -72,7 +72,7 @@ Result<Answer> ask(const Operation<Result<Answer>(ImportRequest)>& operation, co
     if (!fs::exists(status)) return fail("file-not-found", "There is no file '" + cleanName(request.path.string(), "?") + "': check the path.");
     if (!fs::is_regular_file(status)) return fail("not-readable", quoted + " is not a file: choose a mesh file.");
     if (formatOf(request.path).empty())
-        return fail("unknown-format", quoted + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, FBX and DAE can.");
+        return fail("unknown-format", quoted + " is of no kind that can be read: OBJ, PLY, STL, glTF, GLB, VRM, FBX and DAE can.");
     if (::access(request.path.c_str(), R_OK) != 0) return fail("not-readable", quoted + " cannot be read: check its permissions.");
     const std::uintmax_t size = fs::file_size(request.path, error);
     if (error) return fail("not-readable", quoted + " cannot be read: check its permissions.");

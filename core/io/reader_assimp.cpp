@@ -9,6 +9,8 @@
 #include <assimp/material.h>
 #include <assimp/scene.h>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <optional>
@@ -67,12 +69,32 @@ Asset colladaAsset(std::string_view xml) {
     return asset;
 }
 
+/// The version of an FBX file, 7400 is 7.4; 0: it does not say.
+int fbxVersion(std::string_view bytes) {
+    constexpr std::string_view kBinary{"Kaydara FBX Binary  \0\x1a\0", 23};
+    if (bytes.substr(0, kBinary.size()) == kBinary && bytes.size() >= kBinary.size() + 4) {
+        std::uint32_t version = 0;
+        std::memcpy(&version, bytes.data() + kBinary.size(), sizeof version);
+        return version < 100'000 ? static_cast<int>(version) : 0;
+    }
+    const std::string_view head = bytes.substr(0, 1 << 14);
+    const std::size_t at = head.find("FBXVersion:");
+    double number = 0.0;
+    if (at != std::string_view::npos && parseNumber(trimmed(head.substr(at + 11, head.find_first_of("\r\n", at) - at - 11)), number) && number > 0.0 && number < 100'000.0) return static_cast<int>(number);
+    // The first line of those in text: "; FBX 6.1.0 project file".
+    if (head.substr(0, 6) == "; FBX " && head.size() > 8 && head[6] >= '1' && head[6] <= '9' && head[7] == '.') return 1000 * (head[6] - '0') + 100 * (head[8] >= '0' && head[8] <= '9' ? head[8] - '0' : 0);
+    return 0;
+}
+
 class AssimpReader : SceneVertices {
 public:
     AssimpReader(const SourceFile& file, SceneUse use) : file_(file), use_(use), textures_(file, scene_) {}
 
     Result<RawScene> read(std::string_view format) {
         scene_.format = format;
+        if (const int version = format == "fbx" ? fbxVersion(file_.bytes) : 0; version > 0 && version < 7000)
+            return fail("old-fbx", file_.quoted() + " is FBX version " + std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 100) +
+                                       ", and 7 or later is read: export it as FBX 2011 or later, or convert it with Autodesk's FBX Converter.");
         Assimp::Importer importer;
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);

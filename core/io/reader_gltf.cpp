@@ -7,12 +7,14 @@
 #include <optional>
 
 #include "core/io/gltf_file_reader.h"
+#include "core/base/colour.h"
 #include "core/base/finite.h"
 #include "core/io/gltf_clips.h"
 #include "core/io/gltf_compression.h"
 #include "core/io/morph_builder.h"
 #include "core/io/reader_support.h"
 #include "core/io/rig_builder.h"
+#include "core/io/vrm_reader.h"
 
 namespace imomushi {
 namespace {
@@ -47,7 +49,7 @@ public:
                 if (!isChild[n]) roots.push_back(n);
         }
         rigNode_.assign(visited.size(), -1);
-        for (const std::size_t root : roots) place(root, Matrix::Identity(), -1, visited, 0);
+        for (const std::size_t root : roots) place(root, facing(), -1, visited, 0);
         if (use_ == SceneUse::Elements)
             std::sort(placed_.begin(), placed_.end());
         else
@@ -59,16 +61,40 @@ public:
 private:
     // --- materials ---
 
+    /// The toon shader of VRM 0.x says its colour and picture beside the material, 1.0 in the material itself; neither is of metal.
+    struct Toon {
+        bool any = false;
+        std::vector<double> color;  ///< linear, empty: as the material says
+        std::optional<Json> texture;
+    };
+    Toon toonOf(std::size_t material) const {
+        Toon toon;
+        if (!member(member(list("materials")[material], "extensions"), "VRMC_materials_mtoon").is_null()) toon.any = true;
+        const Json& properties = member(member(member(root(), "extensions"), "VRM"), "materialProperties");
+        if (!properties.is_array() || material >= properties.size() || text(member(properties[material], "shader")).find("MToon") == std::string::npos) return toon;
+        toon.any = true;
+        if (!member(list("materials")[material], "pbrMetallicRoughness").is_null()) return toon;
+        const Json& color = member(member(properties[material], "vectorProperties"), "_Color");
+        if (color.is_array() && color.size() == 4) {
+            for (const Json& c : color) toon.color.push_back(number(c, 1.0));
+            for (std::size_t k = 0; k < 3; ++k) toon.color[k] = static_cast<double>(linearFromSrgb(toon.color[k]));
+        }
+        if (const Json& picture = member(member(properties[material], "textureProperties"), "_MainTex"); picture.is_number_unsigned()) toon.texture = picture;
+        return toon;
+    }
+
     void materials() {
-        for (const Json& from : list("materials")) {
+        for (std::size_t at = 0; at < list("materials").size(); ++at) {
+            const Json& from = list("materials")[at];
+            const Toon toon = toonOf(at);
             Material to;
             to.name = cleanName(text(member(from, "name")), "material");
             const Json& pbr = member(from, "pbrMetallicRoughness");
             const Json& gloss = member(member(from, "extensions"), "KHR_materials_pbrSpecularGlossiness");
             const bool glossy = pbr.is_null() && !gloss.is_null();
-            const auto color = numbers(glossy ? member(gloss, "diffuseFactor") : member(pbr, "baseColorFactor"), 4, {1, 1, 1, 1}, "base colour");
+            const auto color = toon.color.empty() ? numbers(glossy ? member(gloss, "diffuseFactor") : member(pbr, "baseColorFactor"), 4, {1, 1, 1, 1}, "base colour") : toon.color;
             for (int k = 0; k < 4; ++k) to.baseColor[k] = static_cast<float>(std::clamp(color[static_cast<std::size_t>(k)], 0.0, 1.0));
-            to.metallic = glossy ? 0.0f : static_cast<float>(std::clamp(number(member(pbr, "metallicFactor"), 1.0), 0.0, 1.0));
+            to.metallic = glossy || toon.any ? 0.0f : static_cast<float>(std::clamp(number(member(pbr, "metallicFactor"), 1.0), 0.0, 1.0));
             to.roughness = static_cast<float>(std::clamp(glossy ? 1.0 - number(member(gloss, "glossinessFactor"), 1.0) : number(member(pbr, "roughnessFactor"), 1.0), 0.0, 1.0));
             UvUse use;
             const Json& info = glossy ? member(gloss, "diffuseTexture") : member(pbr, "baseColorTexture");
@@ -82,6 +108,8 @@ private:
                     use.set = number(member(transform, "texCoord"), "texture coordinate set", use.set);
                 }
                 to.baseColorTexture = texture(member(info, "index"));
+            } else if (toon.texture) {
+                to.baseColorTexture = texture(*toon.texture);
             }
             scene_.surface.mesh.renderMesh.materials.push_back(to);
             uvUse_.push_back(use);
@@ -94,6 +122,10 @@ private:
         const Json& webp = member(member(from, "extensions"), "EXT_texture_webp");
         const Json& source = member(from, "source").is_null() ? member(webp, "source") : member(from, "source");
         const Json& images = list("images");
+        if (source.is_null() && !member(member(from, "extensions"), "KHR_texture_basisu").is_null()) {
+            ++ktx_;
+            return -1;
+        }
         if (source.is_null()) {
             tell(scene_, Severity::Warning, "texture", "A texture is in a picture format that is not read here and was left out.", 1);
             return -1;
@@ -102,6 +134,10 @@ private:
         if (const auto known = images_.find(i); known != images_.end()) return known->second;
         const Json& image = images[i];
         const std::string uri = text(member(image, "uri")), name = text(member(image, "name"));
+        if (text(member(image, "mimeType")) == "image/ktx2") {
+            ++ktx_;
+            return -1;
+        }
         int result = -1;
         if (uri.empty())
             result = textures_.fromBytes(name.empty() ? "texture " + std::to_string(i) : name, bufferView(index(member(image, "bufferView"), list("bufferViews").size(), "buffer view")));
@@ -140,8 +176,13 @@ private:
         for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], rigNode_[n], visited, depth + 1);
     }
 
+    /// VRM 0.x looks along -Z, all others along +Z.
+    [[nodiscard]] Matrix facing() const { return vrmOf(*this) == Vrm::Zero ? Matrix(Eigen::Vector4d(-1.0, 1.0, -1.0, 1.0).asDiagonal()) : Matrix(Matrix::Identity()); }
+
     /// Joints, of the nodes of the scene.
     void bones() {
+        for (const std::size_t n : vrmNodes(*this))
+            if (rigNode_[n] >= 0) rig_.setJoint(rigNode_[n]);
         for (const Json& skin : list("skins"))
             for (const Json& joint : array(member(skin, "joints")))
                 if (const int node = rigNode_[index(joint, rigNode_.size(), "node")]; node >= 0) rig_.setJoint(node);
@@ -189,6 +230,7 @@ private:
         if (const Json& s = member(from, "skin"); !s.is_null()) bones = skin(s);
         const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
         scene_.partNames.push_back(name);
+        partOf_[n] = name;
         if (rigNode_[n] >= 0 && !bones) rig_.setPart(rigNode_[n]);
         const Json& targetNames = array(member(member(mesh, "extras"), "targetNames"));
         for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, n, bones, weights, targetNames);
@@ -197,6 +239,10 @@ private:
     void primitive(const Json& from, const std::string& name, std::size_t at, const std::optional<Skin>& bones, const Json& weights, const Json& targetNames) {
         const std::uint64_t mode = number(member(from, "mode"), "mode", 4);
         if (mode > 6) refuse("has a primitive of unknown mode in '" + name + "': export it again.");
+        if (!member(member(from, "extensions"), "KHR_gaussian_splatting").is_null()) {
+            ++splats_;
+            return;
+        }
         if (mode < 4) {
             ++linesAndPoints_;
             return;
@@ -384,6 +430,10 @@ private:
     }
 
     RawScene finish() {
+        if (ktx_ > 0) tell(scene_, Severity::Warning, "ktx2", "Textures in KTX2 (KHR_texture_basisu) are not read and were left out: export them as PNG or JPEG.", ktx_, false);
+        if (splats_ > 0 && triangles_.empty())
+            throw Refused{{"splats", file().quoted() + " holds gaussian splats, a cloud without a surface: make a mesh of it in the program that it came from, and import that."}};
+        if (splats_ > 0) tell(scene_, Severity::Warning, "splats", "Gaussian splats have no surface and were left out.", splats_, false);
         if (use_ == SceneUse::Character) {
             if (triangles_.empty()) points_.clear();
             scene_.surface.mesh.body.vertices = Eigen::Map<const Points>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
@@ -393,6 +443,15 @@ private:
                 for (const int target : targets) names[node].push_back(target < 0 ? std::string() : morphs_.nameOf(target));
             readGltfClips(*this, rigNode_, names, rig_, scene_);
             scene_.rig = rig_.finish(scene_);
+            if (scene_.rig) {
+                scene_.rig->toScene = facing();
+                VrmNames known;
+                known.bone = [&](std::size_t n) { return rigNode_[n] < 0 ? -1 : rig_.boneOf(rigNode_[n]); };
+                known.part = [&](std::size_t n) { return partOf_.contains(n) ? partOf_[n] : std::string(); };
+                known.morph = [&](std::size_t n, std::size_t t) { return names.contains(n) && t < names[n].size() ? names[n][t] : std::string(); };
+                known.material = [&](std::size_t m) { return scene_.surface.mesh.renderMesh.materials[m].name; };
+                readVrm(*this, known, *scene_.rig, scene_);
+            }
             if (badJoints_ > 0) tell(scene_, Severity::Warning, "skeleton", "Weights of bones that do not exist were left out.", badJoints_);
             if (scene_.rig && triangles_.empty()) return std::move(scene_);
         }
@@ -436,7 +495,8 @@ private:
     std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
     std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
-    std::size_t badJoints_ = 0;
+    std::map<std::size_t, std::string> partOf_;  // by node
+    std::size_t badJoints_ = 0, ktx_ = 0, splats_ = 0;  // ktx_: textures
     std::optional<DracoMesh> draco_;
 };
 

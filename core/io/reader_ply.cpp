@@ -72,6 +72,7 @@ public:
 
     Result<RawScene> read() {
         if (auto done = header(); !done) return tl::unexpected(done.error());
+        if (splats()) return fail("splats", file_.quoted() + " holds gaussian splats, a cloud without a surface: make a mesh of it in the program that it came from, and import that.");
         for (const Element& element : elements_)
             if (auto done = body(element); !done) return tl::unexpected(done.error());
         return finish();
@@ -145,6 +146,16 @@ private:
         if (least > static_cast<double>(rest_.size()) + 1.0)
             return badFile(file_, 0, "announces more vertices and faces than it holds: it is cut off or damaged, export it again.");
         return {};
+    }
+
+    /// Vertices with the scale, rotation and colour of a splat each, and no face.
+    [[nodiscard]] bool splats() const {
+        std::size_t known = 0;
+        for (const Element& element : elements_) {
+            if (element.name == "face" && element.count > 0) return false;
+            for (const Property& p : element.properties) known += p.name == "f_dc_0" || p.name == "scale_0" || p.name == "rot_0";
+        }
+        return known == 3;
     }
 
     tl::unexpected<Error> cutOff(const Element& element, std::uint64_t i) {

@@ -42,6 +42,7 @@ std::string formatOf(const std::filesystem::path& path) {
     std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     for (const char* known : {"obj", "ply", "stl", "gltf", "glb", "fbx", "dae"})
         if (suffix == std::string(".") + known) return known;
+    if (suffix == ".vrm") return "glb";
     return {};
 }
 

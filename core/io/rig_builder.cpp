@@ -2,6 +2,7 @@
 #include "core/io/rig_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/finite.h"
@@ -13,6 +14,8 @@ namespace imomushi {
 namespace {
 
 constexpr double kLeastWeight = 1e-5;  // of a vertex: smaller ones are what quantised weights leave over
+
+constexpr double kStill = 1e-5;  // relative, or radians: keys that differ by less from rest move nothing
 
 }  // namespace
 
@@ -107,6 +110,7 @@ void RigBuilder::keep(const std::vector<char>& chosen, Rig& rig) {
         bone.head = node.rest.topRightCorner<3, 1>();
         if (allFinite(node.rest) && node.rest.cwiseAbs().maxCoeff() <= kMaxImportedCoordinate) bone.rotation = nearestRotation(node.rest.topLeftCorner<3, 3>());
         node.bone = static_cast<int>(rig.bones.size());
+        node.isBone = true;
         rig.bones.push_back(std::move(bone));
     }
 }
@@ -142,6 +146,10 @@ void RigBuilder::weigh(std::size_t vertices, Rig& rig) const {
 void RigBuilder::takeClips(RawScene& scene, Rig& rig) {
     std::set<std::string> names;
     std::size_t numbers = 0, tooMany = 0;
+    if (clips_.size() > 1 && staysAtRest(clips_.front())) {
+        tell(scene, Severity::Info, "clip-empty", "The animation '" + clips_.front().name + "' moves nothing and was left out.", 1, false);
+        clips_.erase(clips_.begin());
+    }
     for (RigClip& clip : clips_) {
         std::erase_if(clip.tracks, [&](const RigTrack& track) { return nodes_[static_cast<std::size_t>(track.node)].kept < 0; });
         if (clip.tracks.empty() && clip.morphs.empty()) continue;  // it moves cameras, or nothing
@@ -169,6 +177,27 @@ void RigBuilder::takeClips(RawScene& scene, Rig& rig) {
         rig.clips.push_back(std::move(clip));
     }
     if (tooMany > 0) tell(scene, Severity::Warning, "clip", std::to_string(tooMany) + (tooMany == 1 ? " animation" : " animations") + " left out: the file has too many.", tooMany);
+}
+
+bool RigBuilder::staysAtRest(const RigClip& clip) const {
+    if (!clip.morphs.empty()) return false;
+    // A pose may be meant; what programs write unasked has a single key, or the name that they give it.
+    const bool unnamed = clip.name.rfind("Take ", 0) == 0;
+    if (!unnamed && std::any_of(clip.tracks.begin(), clip.tracks.end(), [](const RigTrack& track) { return track.times.size() > 1; })) return false;
+    return std::all_of(clip.tracks.begin(), clip.tracks.end(), [&](const RigTrack& track) {
+        if (track.interpolation == RigTrack::Interpolation::Cubic) return false;
+        const RigNode& rest = nodes_[static_cast<std::size_t>(track.node)].local;
+        const bool turns = track.path == RigTrack::Path::Rotation;
+        const Vec3& fixed = track.path == RigTrack::Path::Scale ? rest.scale : rest.translation;
+        const std::size_t width = turns ? 4 : 3;
+        for (std::size_t k = 0; k + width <= track.values.size(); k += width) {
+            const double* v = track.values.data() + k;
+            if (turns ? !(std::abs(Eigen::Vector4d(v[0], v[1], v[2], v[3]).normalized().dot(rest.rotation.coeffs())) > 1.0 - kStill * kStill)
+                      : !((Vec3(v[0], v[1], v[2]) - fixed).norm() <= kStill * fixed.norm()))
+                return false;
+        }
+        return true;
+    });
 }
 
 std::optional<Rig> RigBuilder::finish(RawScene& scene) {

@@ -30,6 +30,8 @@ public:
     /// Bones are the joints of skins. What no skin moves has a bone where a clip moves it; in a file without skins also where meshes hang on meshes, and without any
     /// mesh every node is a bone. What exceeds the limits of a rig, or is broken, is left out and told. Nothing: the file has neither bones nor clips that weigh morph targets.
     std::optional<Rig> finish(RawScene& scene);
+    /// After that: the bone that the node is, -1: it is none.
+    [[nodiscard]] int boneOf(int node) const { return nodes_[static_cast<std::size_t>(node)].isBone ? nodes_[static_cast<std::size_t>(node)].bone : -1; }
 
 private:
     struct Node {
@@ -37,7 +39,7 @@ private:
         int parent = -1;
         RigNode local;
         Eigen::Matrix4d rest;
-        bool joint = false, part = false, moved = false;  // moved: by a clip
+        bool joint = false, part = false, moved = false, isBone = false;  // moved: by a clip
         int bone = -1, kept = -1;                         // in the rig
     };
     struct Binding {
@@ -49,6 +51,8 @@ private:
     void keep(const std::vector<char>& chosen, Rig& rig);
     void weigh(std::size_t vertices, Rig& rig) const;
     void takeClips(RawScene& scene, Rig& rig);
+    /// As the first take of many FBX files does, "Take 001".
+    [[nodiscard]] bool staysAtRest(const RigClip& clip) const;
 
     std::vector<Node> nodes_;
     std::vector<Binding> bindings_;

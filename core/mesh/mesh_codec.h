@@ -20,7 +20,8 @@ void members(auto& archive, RigWeights& w) { archive(w.first, w.bone, w.weight);
 void members(auto& archive, RigTrack& t) { archive(t.node, t.path, t.interpolation, t.times, t.values); }
 void members(auto& archive, MorphTrack& t) { archive(t.target, t.interpolation, t.times, t.weights); }
 void members(auto& archive, RigClip& c) { archive(c.name, c.seconds, c.tracks, c.morphs); }
-void members(auto& archive, Rig& r) { archive(r.bones, r.nodes, r.toScene, r.weights, r.clips); }
+void members(auto& archive, RigRole& r) { archive(r.role, r.bone); }
+void members(auto& archive, Rig& r) { archive(r.bones, r.nodes, r.toScene, r.weights, r.clips, r.roles, r.avatar); }
 
 /// Whether all indices are in range.
 inline bool indicesFit(const TriangleMesh& m) {

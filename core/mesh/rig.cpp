@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/finite.h"
+#include "core/mesh/avatar.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/render_model.h"
 
@@ -98,6 +99,11 @@ int Rig::boneIndex(std::string_view name) const {
     return found == bones.end() ? -1 : static_cast<int>(found - bones.begin());
 }
 
+int Rig::boneOfRole(std::string_view role) const {
+    const auto found = std::find_if(roles.begin(), roles.end(), [&](const RigRole& r) { return r.role == role; });
+    return found == roles.end() ? -1 : found->bone;
+}
+
 int Rig::clipIndex(std::string_view name) const {
     const auto found = std::find_if(clips.begin(), clips.end(), [&](const RigClip& clip) { return clip.name == name; });
     return found == clips.end() ? -1 : static_cast<int>(found - clips.begin());
@@ -152,6 +158,12 @@ std::string checkRig(const Rig& rig, std::size_t vertices) {
             }
         }
     }
+    names.clear();
+    for (const RigRole& role : rig.roles) {
+        if (role.bone < 0 || static_cast<std::size_t>(role.bone) >= rig.bones.size()) return "a humanoid bone does not exist";
+        if (!humanRole(role.role) || !names.insert(role.role).second) return "a humanoid bone is unknown or named twice";
+    }
+    if (rig.avatar.size() > kLargestAvatar) return "its avatar is too large";
     names.clear();
     std::size_t numbers = 0;
     for (const RigClip& clip : rig.clips) {

@@ -67,6 +67,12 @@ struct RigClip {
     std::vector<MorphTrack> morphs = {};  ///< at most one per target
 };
 
+/// What a bone is of a human.
+struct RigRole {
+    std::string role;              ///< of kHumanRoles (avatar.h)
+    std::int32_t bone = 0;
+};
+
 /// The skeleton that a file brings: bones, which of them moves which vertex, and animations. A file without bones whose clips weigh morph targets brings these clips alone.
 struct Rig {
     std::vector<RigBone> bones;    ///< parents before children
@@ -74,7 +80,11 @@ struct Rig {
     Eigen::Matrix4d toScene = Eigen::Matrix4d::Identity();  ///< from the file's unit and axes to the scene's
     RigWeights weights;
     std::vector<RigClip> clips;
+    std::vector<RigRole> roles = {};  ///< as the file says, each at most once, in the order of kHumanRoles; most files say nothing
+    /// What a VRM file says of its figure, JSON in UTF-8 (vrm_reader.h); empty: it is none. Nothing of it is believed.
+    std::string avatar = {};
 
+    [[nodiscard]] int boneOfRole(std::string_view role) const;  ///< -1: no bone has it
     [[nodiscard]] int boneIndex(std::string_view name) const;  ///< -1: no such bone
     [[nodiscard]] int clipIndex(std::string_view name) const;  ///< -1: no such clip
 };
@@ -82,6 +92,7 @@ struct Rig {
 /// Limits of what is kept of a file; more is left out with a word to the artist.
 inline constexpr std::size_t kMostRigBones = 4096, kMostRigNodes = 65536, kMostRigClips = 1024;
 inline constexpr std::size_t kMostRigNumbers = std::size_t{1} << 25;  ///< of all tracks, times included
+inline constexpr std::size_t kLargestAvatar = std::size_t{1} << 22;   ///< bytes of Rig::avatar
 
 /// Why a rig cannot be used: indices out of range, parents after children, names that are empty or used twice, numbers that are not finite, tracks of a wrong size.
 /// Empty: it can. `vertices`: of the render model.

@@ -308,6 +308,38 @@ TEST_CASE("clients: clips of imported skeletons, exported as takes, have the joi
     CHECK(status == 0);
 }
 
+TEST_CASE("clients: an avatar that was made soft goes out as VRM 1.0: the validator has nothing against it, and three-vrm has its joints where the file has them") {
+    namespace fs = std::filesystem;
+    if (!hasNode()) return;
+    if (!fs::exists(IMOMUSHI_CLIENTS "/node_modules/@pixiv/three-vrm")) return leaveOut("three-vrm is not installed (packaging/install.sh test)");
+    for (const char* file : {"avatar.glb", "avatar_vrm0.vrm"}) {
+        CAPTURE(file);
+        const auto answers = perform({{{"do", "make-soft"}, {"path", (fs::path(IMOMUSHI_TEST_DATA) / "characters" / file).string()}, {"name", "avatar"}, {"draft", true}, {"precompute", false}},
+                                      {{"do", "list"}}, exported("avatar.vrm", "skinned")});
+        int status = 0;
+        const std::string found = run("node '" IMOMUSHI_CLIENTS "/validate.js' avatar.vrm", status);
+        INFO(found << readFile(folder() / "err"));
+        CHECK(status == 0);
+        const std::string out = run("node '" IMOMUSHI_CLIENTS "/check_vrm.js' avatar.vrm", status);
+        INFO(out << readFile(folder() / "err"));
+        REQUIRE(status == 0);
+        const Json seen = Json::parse(out);
+        int roles = 0;
+        for (const Json& bone : answers[1]["characters"][0]["skeleton"]) {
+            if (!bone.contains("role")) continue;
+            ++roles;
+            const Json& at = seen["bones"][bone["role"].get<std::string>()];
+            for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(at[k].get<double>() - bone["start"][k].get<double>()) < 1e-4 * 1.5);  // of its height
+        }
+        CHECK(roles == 19);
+        CHECK(seen["bones"].size() == 19);
+        CHECK(seen["expressions"] == Json{{"aa", 1}, {"blink", 1}, {"happy", 1}});
+        CHECK(seen["springs"] == 1);  // a joint that swings, and its end
+        CHECK(seen["lookAt"] == true);
+        CHECK(seen["meta"]["authors"][0] == "Imomushi test characters");
+    }
+}
+
 TEST_CASE("clients: Blender shows what the studio shows, baked and rigged") {
     if (!hasBlender()) return;
     for (const Sample& sample : samples()) {

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "core/proposal/rig_proposal.h"
 #include "core/document/rig_follower.h"
@@ -476,4 +477,57 @@ TEST_CASE("skeletons: clips of third-party files as takes of their proposals, ex
         CHECK(worst < 1e-4);
         CHECK(joints >= 3);
     }
+}
+
+TEST_CASE("skeletons: clips of a file of bones alone come to the skeleton of a character, in another rest pose, and say what they could not follow") {
+    const std::filesystem::path characters = std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters";
+    for (const char* name : {"mannequin.glb", "avatar.glb", "avatar_vrm0.vrm"}) {
+        CAPTURE(name);
+        Workbench w;
+        w.session.setCharacterImporter(readCharacter);
+        w.good({{"do", "import-character"}, {"path", characters / name}, {"name", "it"}});
+        CHECK(w.code({{"do", "import-character"}, {"path", characters / "walk.glb"}}) == "empty-mesh");
+        CHECK(w.code({{"do", "import-clips"}, {"character", "it"}, {"path", characters / "pointer_clip.gltf"}}) == "no-counterpart");
+        const std::size_t before = rigOf(w.session).clips.size();
+        const Json answer = w.good({{"do", "import-clips"}, {"character", "it"}, {"path", characters / "walk.glb"}});
+        REQUIRE(answer["clips"].size() == 1);
+        CHECK(answer["clips"][0]["name"] == "walk");
+        CHECK(answer["clips"][0]["not_followed"].empty());
+        CHECK(answer["clips"][0]["bones"].get<int>() >= 17);
+        const Rig& rig = rigOf(w.session);
+        REQUIRE(rig.clips.size() == before + 1);
+        // As the source has it: arms and legs point the same way, within a degree.
+        ImportRequest request;
+        request.path = characters / "walk.glb";
+        request.bonesSuffice = true;
+        const auto walk = readCharacter(request, {});
+        REQUIRE(walk);
+        const bool vrm = name != std::string("mannequin.glb");
+        double worst = 0.0;
+        for (const double t : {0.0, 0.13, 0.3, 0.55, 0.9}) {
+            const auto a = posedRig(*walk->rig, walk->rig->clips[0], t), b = posedRig(rig, rig.clips.back(), t);
+            for (const auto& [from, to, own, next] : {std::tuple{"rig:LeftArm", "rig:LeftForeArm", "upperArm.L", "lowerArm.L"}, {"rig:RightForeArm", "rig:RightHand", "lowerArm.R", "hand.R"}}) {
+                const auto at = [](const Rig& r, const std::vector<RigPose>& pose, const char* bone) {
+                    REQUIRE(r.boneIndex(bone) >= 0);
+                    return pose[static_cast<std::size_t>(r.boneIndex(bone))].head;
+                };
+                const Vec3 x = at(*walk->rig, a, to) - at(*walk->rig, a, from), y = at(rig, b, vrm ? next : to) - at(rig, b, vrm ? own : from);
+                worst = std::max(worst, std::acos(std::min(1.0, x.normalized().dot(y.normalized()))));
+            }
+        }
+        CHECK(worst < 1.0 * std::acos(-1.0) / 180.0);
+        // It is a clip like any other: undone, kept by a project, and twice with another name.
+        CHECK(w.good({{"do", "import-clips"}, {"character", "it"}, {"path", characters / "walk.glb"}})["clips"][0]["name"] == "walk 2");
+        w.good({{"do", "undo"}});
+        const auto path = w.folder() / "clips.imomushi";
+        w.good({{"do", "save"}, {"path", path}});
+        Workbench other;
+        other.good({{"do", "open"}, {"path", path}});
+        CHECK(rigOf(other.session).clips.back().tracks.size() == rigOf(w.session).clips.back().tracks.size());
+        w.good({{"do", "undo"}});
+        CHECK(rigOf(w.session).clips.size() == before);
+    }
+    Workbench w;
+    w.good({{"do", "import-character"}, {"path", "trunk"}, {"name", "it"}});
+    CHECK(w.code({{"do", "import-clips"}, {"character", "it"}, {"path", "x"}}) == "no-skeleton");
 }

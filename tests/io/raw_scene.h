@@ -21,6 +21,9 @@ inline Result<RawScene> scene(const std::string& name, const std::string& bytes)
 inline std::string code(const Result<RawScene>& r) { return r ? "read" : r.error().code; }
 inline std::string said(const Result<RawScene>& r) { return r ? "" : r.error().message; }
 
+/// It says what is wrong with the file: no worker broke down, or came to no end.
+inline bool isReason(const Error& error) { return error.code.rfind("worker", 0) != 0 && error.code != "timeout" && error.code != "internal" && !error.message.empty(); }
+
 inline const MeshIssue* find(const RawScene& s, const std::string& issue) {
     for (const MeshIssue& i : s.issues)
         if (i.code == issue) return &i;

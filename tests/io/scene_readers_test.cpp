@@ -88,7 +88,7 @@ TEST_CASE("GLB: what is wrong is refused with its reason") {
     refused([](auto& j) { j["nodes"][0]["mesh"] = 5; }, "mesh 5");
     refused([](auto& j) { j["nodes"] = 3; }, "list");
     refused([](auto& j) { j["nodes"][0]["matrix"] = {1, 2, 3}; }, "matrix");
-    refused([](auto& j) { j["asset"]["version"] = "1.0"; }, "version");
+    refused([](auto& j) { j["asset"]["version"] = "3.0"; }, "version");
     refused([](auto& j) { j["buffers"][0]["uri"] = "../other.bin", j["buffers"][0]["byteLength"] = 4; }, "outside");
     refused([](auto& j) { j["extensionsRequired"] = {"KHR_audio"}; }, "export it without");
     refused([](auto& j) { j["extensionsRequired"] = {"FOO_bar"}; }, "FOO_bar");

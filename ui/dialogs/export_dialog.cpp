@@ -232,8 +232,12 @@ void ExportDialog::takePreset() {
 
 /// Caches have formats of their own.
 void ExportDialog::fillFormats() {
+    // An avatar goes out by its bones alone.
+    const auto& characters = document_.document().characters;
     const bool cache = layoutName() == "cache";
-    if (format_->count() > 0 && (format_->findData(QStringLiteral("pc2")) >= 0) == cache) return;
+    const bool avatar = layoutName() == "skinned" && std::any_of(characters.begin(), characters.end(), [](const auto& c) { return c.second->rig && !c.second->rig->roles.empty(); });
+    const auto has = [this](const char* format) { return format_->findData(QString::fromLatin1(format)) >= 0; };
+    if (format_->count() > 0 && has("pc2") == cache && has("vrm") == avatar) return;
     const QSignalBlocker quiet(format_);
     format_->clear();
     if (cache) {
@@ -244,6 +248,7 @@ void ExportDialog::fillFormats() {
     } else {
         format_->addItem(QStringLiteral("glTF (GLB)"), QStringLiteral("glb"));
         format_->addItem(tr("FBX, by Blender"), QStringLiteral("fbx"));
+        if (avatar) format_->addItem(tr("VRM 1.0 avatar"), QStringLiteral("vrm"));
     }
     suitFormat();
 }

@@ -62,7 +62,7 @@ bool isOneElement(const ImportResult& r) {
 }  // namespace
 
 QStringList meshSuffixes() {
-    return {QStringLiteral("obj"), QStringLiteral("ply"), QStringLiteral("stl"), QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("fbx"), QStringLiteral("dae")};
+    return {QStringLiteral("obj"), QStringLiteral("ply"), QStringLiteral("stl"), QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("vrm"), QStringLiteral("fbx"), QStringLiteral("dae")};
 }
 
 ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(parent), path_(path) {

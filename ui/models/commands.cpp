@@ -92,6 +92,8 @@ bool isMakeSoft(const Json& command) { return command.at("do") == "make-soft"; }
 
 Json importSkeleton(const std::string& character, const std::string& path) { return {{"do", "import-skeleton"}, {"character", character}, {"path", path}}; }
 
+Json importClips(const std::string& character, const std::string& path) { return {{"do", "import-clips"}, {"character", character}, {"path", path}}; }
+
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take) { return {{"do", "take-clip"}, {"character", character}, {"clip", clip}, {"take", take}}; }
 
 Json makeSoft(const CharacterSource& character, const Proposal& proposal) {
@@ -219,6 +221,10 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
 }
 
 Json morph(const std::string& character, const std::string& target, double weight) { return {{"do", "morph"}, {"character", character}, {"target", target}, {"weight", weight}}; }
+
+Json express(const std::string& character, const std::string& expression, double weight) {
+    return {{"do", "express"}, {"character", character}, {"expression", expression}, {"weight", weight}};
+}
 
 Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn) {
     return {{"do", "turn-part"}, {"character", character}, {"part", part}, {"rotation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};

@@ -58,6 +58,8 @@ Json makeSoft(const std::string& character, const ChosenBones& bones = {});
 [[nodiscard]] bool isMakeSoft(const Json& command);
 /// The bones and clips of a file for a character.
 Json importSkeleton(const std::string& character, const std::string& path);
+/// The clips of a file for the skeleton that a character has.
+Json importClips(const std::string& character, const std::string& path);
 /// A take of a clip of the character's file. `take`: its name.
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take);
 /// A character that is there, as a proposal says; nothing is precomputed.
@@ -186,6 +188,8 @@ Json drag(const std::string& endpoint, const Vec3& to, std::optional<double> rol
 Json dragHandle(const std::string& handle, const Vec3& to, const Eigen::Quaterniond& turn);
 /// `turn`: from rest, in the axes of the rest pose.
 Json morph(const std::string& character, const std::string& target, double weight);
+/// An expression of an avatar. `weight`: 0 ... 1.
+Json express(const std::string& character, const std::string& expression, double weight);
 Json turnPart(const std::string& character, const std::string& part, const Eigen::Quaterniond& turn);
 /// Of an endpoint or a handle, as release().
 Json setPinned(const std::string& endpoint, bool pinned);

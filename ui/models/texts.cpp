@@ -44,8 +44,13 @@ const std::map<std::string, const char*> kErrors = {
     {"no-version", QT_TRANSLATE_NOOP("Errors", "This version of the project is not there, cannot be read or could not be kept.")},
     {"not-sound", QT_TRANSLATE_NOOP("Errors", "The project cannot be saved, for it would not open again. Undo what was done last. Nothing was replaced.")},
     {"disk-full", QT_TRANSLATE_NOOP("Errors", "There is no room on the disk. Make room or choose another one. Nothing was replaced.")},
-    {"unknown-format", QT_TRANSLATE_NOOP("Errors", "This file format is not known. Use OBJ, PLY, STL, glTF, FBX or DAE.")},
+    {"unknown-format", QT_TRANSLATE_NOOP("Errors", "This file format is not known. Use OBJ, PLY, STL, glTF, VRM, FBX or DAE.")},
     {"bad-file", QT_TRANSLATE_NOOP("Errors", "The file is damaged and cannot be used.")},
+    {"old-gltf", QT_TRANSLATE_NOOP("Errors", "The file is glTF 1. Export it again as glTF 2.0, or convert it with gltf-pipeline.")},
+    {"old-fbx", QT_TRANSLATE_NOOP("Errors", "The file is FBX older than version 7. Export it as FBX 2011 or later, or convert it with Autodesk’s FBX Converter.")},
+    {"splats", QT_TRANSLATE_NOOP("Errors", "The file holds gaussian splats, which have no surface. Make a mesh of it in the program that it came from.")},
+    {"not-an-avatar", QT_TRANSLATE_NOOP("Errors", "A VRM file is one avatar with all humanoid bones. Begin with a VRM file, or export glTF.")},
+    {"no-counterpart", QT_TRANSLATE_NOOP("Errors", "No bone of the clips has a counterpart in the skeleton of the character.")},
     {"non-finite", QT_TRANSLATE_NOOP("Errors", "The mesh has vertices that are not finite numbers.")},
     {"too-far", QT_TRANSLATE_NOOP("Errors", "The mesh reaches farther than 1e9 m from the origin. Choose a smaller unit, or scale the mesh down in the program that made it.")},
     {"empty-mesh", QT_TRANSLATE_NOOP("Errors", "There is no mesh in the file.")},
@@ -172,6 +177,7 @@ const std::map<std::string, const char*> kSteps = {
     {"import-element", QT_TRANSLATE_NOOP("Steps", "Import element")},
     {"import-character", QT_TRANSLATE_NOOP("Steps", "Import character")},
     {"import-skeleton", QT_TRANSLATE_NOOP("Steps", "Import skeleton")},
+    {"import-clips", QT_TRANSLATE_NOOP("Steps", "Import clips")},
     {"make-soft", QT_TRANSLATE_NOOP("Steps", "Make soft")},
     {"append", QT_TRANSLATE_NOOP("Steps", "Add project")},
     {"duplicate", QT_TRANSLATE_NOOP("Steps", "Duplicate")},
@@ -189,6 +195,7 @@ const std::map<std::string, const char*> kSteps = {
     {"attach", QT_TRANSLATE_NOOP("Steps", "Attach part")},
     {"turn-part", QT_TRANSLATE_NOOP("Steps", "Turn part")},
     {"morph", QT_TRANSLATE_NOOP("Steps", "Set morph target")},
+    {"express", QT_TRANSLATE_NOOP("Steps", "Show expression")},
     {"add-bone", QT_TRANSLATE_NOOP("Steps", "Add bone")},
     {"edit-bone", QT_TRANSLATE_NOOP("Steps", "Change bone")},
     {"remove-element", QT_TRANSLATE_NOOP("Steps", "Remove element")},
@@ -247,6 +254,14 @@ const std::map<std::string, const char*> kIssues = {
          "Issues",
          "Some steps broke down or came to no end on this surface and were left out. Repair the mesh for a body that has all of it.")},
     {"flat", QT_TRANSLATE_NOOP("Issues", "The body is extremely thin. Give it more thickness.")},
+    {"avatar", QT_TRANSLATE_NOOP("Issues", "A VRM avatar: its humanoid bones, expressions and licence came along.")},
+    {"avatar-kept", QT_TRANSLATE_NOOP("Issues", "Springs, first person and look-at of the avatar are kept for export and move nothing here.")},
+    {"avatar-dropped", QT_TRANSLATE_NOOP("Issues", "What the avatar says of pictures, materials and things that did not come with it was left out.")},
+    {"avatar-damaged", QT_TRANSLATE_NOOP("Issues", "What the avatar says wrongly or of things that do not exist was left out.")},
+    {"ktx2", QT_TRANSLATE_NOOP("Issues", "Textures in KTX2 are not read and were left out. Export them as PNG or JPEG.")},
+    {"splats", QT_TRANSLATE_NOOP("Issues", "Gaussian splats have no surface and were left out.")},
+    {"clip-empty", QT_TRANSLATE_NOOP("Issues", "The first animation moves nothing and was left out.")},
+    {"clip-pointers", QT_TRANSLATE_NOOP("Issues", "Clips also move lights, cameras or materials, which was left out.")},
     {"non-orientable", QT_TRANSLATE_NOOP("Issues", "The surface has only one side.")},
 };
 
@@ -284,6 +299,7 @@ const std::map<std::string, const char*> kStages = {
     {"cut", QT_TRANSLATE_NOOP("Stages", "Cutting")},
     {"skeleton", QT_TRANSLATE_NOOP("Stages", "Looking for limbs")},
     {"record", QT_TRANSLATE_NOOP("Stages", "Recording")},
+    {"clips", QT_TRANSLATE_NOOP("Stages", "Fitting clips")},
 };
 
 }  // namespace
@@ -315,7 +331,7 @@ QString stepText(const std::string& command, const std::string& subject) {
     if (name.isEmpty()) name = QString::fromStdString(command);
     QString what = QString::fromStdString(subject);
     if (const auto effect = effectNamed(subject)) what = effectTitle(*effect);
-    if (command == "import-element" || command == "import-character" || command == "import-skeleton" || command == "append") what = what.section(u'/', -1);  // the file, not its folders
+    if (command == "import-element" || command == "import-character" || command == "import-skeleton" || command == "import-clips" || command == "append") what = what.section(u'/', -1);  // the file, not its folders
     return what.isEmpty() ? name : Texts::tr("%1: %2", "undo step: what was done, to what").arg(name, what);
 }
 

@@ -55,6 +55,7 @@ void ActionStates::update() {
     a["make-soft"]->setEnabled(soften);
     a["make-soft-bones"]->setEnabled(soften && character->rig && !character->rig->bones.empty());
     a["import-skeleton"]->setEnabled(character && idle);
+    a["import-clips"]->setEnabled(character && idle && character->rig && !character->rig->bones.empty());
     a["propose"]->setEnabled(soften);
     a["hide"]->setEnabled(count(Kind::Element) > 0);
     a["join"]->setEnabled(count(Kind::Face) == 2);

@@ -39,7 +39,7 @@ QString meshFilter(const QStringList& suffixes) {
     return FileFlow::tr("Meshes (%1)").arg(patterns.join(u' '));
 }
 
-const QStringList kRigged = {QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("fbx"), QStringLiteral("dae")};
+const QStringList kRigged = {QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("vrm"), QStringLiteral("fbx"), QStringLiteral("dae")};
 const QString kMeshFolder = QStringLiteral("files/mesh-folder");
 
 QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
@@ -336,6 +336,39 @@ void FileFlow::importSkeleton(const CharacterSource& character, const QString& p
         QString text = tr("“%1” has a skeleton of %n bone(s) now.", nullptr, int(answer.at("skeleton").size())).arg(name);
         if (const int clips = int(answer.at("clips").size()); clips > 0) text += u' ' + tr("%n clip(s) came along.", nullptr, clips);
         Q_EMIT skeletonCame(name, text);
+    };
+    steps_.start(std::move(wish));
+}
+
+void FileFlow::askImportClips(const CharacterSource& character) {
+    const std::string name = character.name;  // the document may be another one after the dialog
+    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString path = QFileDialog::getOpenFileName(window_, tr("Import clips"), start, meshFilter(kRigged));
+    if (path.isEmpty()) return;
+    QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
+    if (const CharacterSource* now = document_.document().characterNamed(name)) importClips(*now, path);
+}
+
+void FileFlow::importClips(const CharacterSource& character, const QString& path) {
+    StepFlow::Wish wish;
+    wish.command = commands::importClips(character.name, path.toStdString());
+    wish.title = tr("Importing the clips of “%1”").arg(QFileInfo(path).fileName());
+    wish.done = [this, name = QString::fromStdString(character.name)](const Json& answer) {
+        const Json& clips = answer.at("clips");
+        QString text = tr("“%1” has %n clip(s) more: make takes of them.", nullptr, int(clips.size())).arg(name);
+        QStringList lost;
+        for (const Json& clip : clips)
+            for (const Json& bone : clip.at("not_followed")) lost << QString::fromStdString(bone.get<std::string>());
+        lost.removeDuplicates();
+        constexpr qsizetype kTold = 4;
+        if (lost.isEmpty()) {
+            Q_EMIT said(text);
+            return;
+        }
+        const QString more = lost.size() > kTold ? tr("%n more", nullptr, int(lost.size() - kTold)) : QString();
+        lost = lost.mid(0, kTold);
+        if (!more.isEmpty()) lost << more;
+        Q_EMIT warned(text + u' ' + tr("It has no counterpart of these bones: %1").arg(lost.join(QStringLiteral(", "))));
     };
     steps_.start(std::move(wish));
 }

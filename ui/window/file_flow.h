@@ -54,6 +54,9 @@ public:
     /// Asks for a file whose bones and clips a character gets.
     void askImportSkeleton(const CharacterSource& character);
     void importSkeleton(const CharacterSource& character, const QString& path);
+    /// Asks for a file whose clips the skeleton of a character gets.
+    void askImportClips(const CharacterSource& character);
+    void importClips(const CharacterSource& character, const QString& path);
     void askAppend();
     /// Adds another project to this one, beside it.
     void append(const QString& path);

@@ -145,6 +145,7 @@ void MainWindow::connectSoftActions() {
     onCharacter("make-soft", [this](const CharacterSource& character) { files_->makeSoft(character); });
     onCharacter("make-soft-bones", [this](const CharacterSource& character) { rigs_->chooseBones(character); });
     onCharacter("import-skeleton", [this](const CharacterSource& character) { files_->askImportSkeleton(character); });
+    onCharacter("import-clips", [this](const CharacterSource& character) { files_->askImportClips(character); });
     onCharacter("take-clip", [this](const CharacterSource& character) {
         StudioDocks::raise(takes());
         rigs_->takeClips(character);

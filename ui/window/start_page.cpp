@@ -264,7 +264,7 @@ void StartPage::rebuild() {
                 [this, path = all.first().path] { Q_EMIT fileWanted(path); });
     connect(way("wayFromMesh", "soft", tr("From a mesh"), tr("Any mesh of a creature: cuts and bones follow its shape, and it can be dragged seconds later.")), &QAbstractButton::clicked, this,
             &StartPage::meshWanted);
-    connect(way("wayFromRiggedFile", "bones", tr("From a rigged file"), tr("glTF, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.")), &QAbstractButton::clicked, this,
+    connect(way("wayFromRiggedFile", "bones", tr("From a rigged file"), tr("glTF, VRM, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.")), &QAbstractButton::clicked, this,
             &StartPage::riggedFileWanted);
     layout->addLayout(ways);
 

@@ -18,6 +18,7 @@ constexpr Row kRows[] = {
     {"open", "open", QT_TRANSLATE_NOOP("Actions", "&Open…"), "Ctrl+O"},
     {"import", "import", QT_TRANSLATE_NOOP("Actions", "&Import mesh…"), "Ctrl+I"},
     {"import-skeleton", "bones", QT_TRANSLATE_NOOP("Actions", "Import s&keleton…"), ""},
+    {"import-clips", "", QT_TRANSLATE_NOOP("Actions", "Impo&rt clips…"), ""},
     {"save", "save", QT_TRANSLATE_NOOP("Actions", "&Save"), "Ctrl+S"},
     {"save-as", "", QT_TRANSLATE_NOOP("Actions", "Save &as…"), "Ctrl+Shift+S"},
     {"save-copy", "", QT_TRANSLATE_NOOP("Actions", "Save a &copy…"), "Ctrl+Alt+S"},

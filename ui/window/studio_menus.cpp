@@ -42,7 +42,7 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*file, {"new", "open"});
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
-    fill(*file, {"start", "", "import", "import-skeleton", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
+    fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "", "search", "preferences"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
@@ -81,7 +81,7 @@ void StudioMenus::takeSizes() { tools_->setIconSize(QSize(px(22), px(22))); }
 
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
-    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
+    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
     menu.exec(global);
 }
 

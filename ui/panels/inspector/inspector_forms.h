@@ -52,6 +52,7 @@ private:
     void addBody(const CharacterSource& character);
     void addGaps(const CharacterSource& character);
     void addMorphs(const SelectionItem& item);
+    void addAvatar(const SelectionItem& item);
     // character_parts_form.cpp
     void addParts(const SelectionItem& item);
     void addPivot(const SelectionItem& item, const std::function<commands::Attach(std::optional<std::string>)>& command);

@@ -3,6 +3,7 @@
 #include <QPushButton>
 #include <algorithm>
 
+#include "core/document/avatar.h"
 #include "core/document/morph_weights.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/body_texts.h"
@@ -46,6 +47,7 @@ WholeCharacterForm::WholeCharacterForm(StudioDocument& document, const Selection
         for (std::size_t i = 0; c && i < c->cuts.size(); ++i) names << QString::fromStdString(c->cuts[i].name);
         return names.isEmpty() ? tr("none") : names.join(QStringLiteral(", "));
     });
+    addAvatar(item);
     addMorphs(item);
     addParts(item);
 }
@@ -79,6 +81,31 @@ void WholeCharacterForm::addMorphs(const SelectionItem& item) {
                   },
                   [this, name = target.name](const SelectionItem& of, double weight) { return commands::morph(characterOf(now(), of)->name, name, weight); });
     }
+}
+
+void WholeCharacterForm::addAvatar(const SelectionItem& item) {
+    const CharacterSource& character = *characterOf(now(), item);
+    const AvatarFacts facts = character.rig ? avatarFacts(*character.rig) : AvatarFacts();
+    if (facts.version.empty()) return;
+    addSection(tr("Avatar (VRM %1)").arg(QString::fromStdString(facts.version)));
+    if (!facts.expressions.empty()) {
+        std::vector<std::pair<QString, int>> choices = {{tr("none"), -1}};
+        for (std::size_t i = 0; i < facts.expressions.size(); ++i) choices.emplace_back(QString::fromStdString(facts.expressions[i].name), int(i));
+        const auto shown = [this, item, all = facts.expressions]() -> std::optional<int> {
+            const CharacterSource* c = characterOf(now(), item);
+            if (!c) return std::nullopt;
+            return shownExpression(now(), *c, all);
+        };
+        addChoice<int>(tr("Expression"), choices, shown, [this, item, all = facts.expressions](const int& i) {
+            document_.execute(commands::express(characterOf(now(), item)->name, all[std::size_t(std::max(i, 0))].name, i < 0 ? 0.0 : 1.0));
+        });
+    }
+    addFact(tr("Humanoid bones"), [n = character.rig->roles.size()] { return QLocale().toString(qlonglong(n)); });
+    if (facts.springs > 0) addFact(tr("Springs"), [n = facts.springs] { return tr("%n, kept for export", nullptr, int(n)); });
+    addSection(tr("Licence of the avatar"));
+    // The fields are the file's own words, in any language.
+    for (const auto& [field, said] : facts.licence)
+        addFact(QString::fromStdString(field), [text = QString::fromStdString(said)] { return text; });
 }
 
 void WholeCharacterForm::addGaps(const CharacterSource& character) {
