@@ -47,7 +47,7 @@ TEST_CASE("manual: it opens offline, with its contents, pictures and links, in b
         Appearance::instance().setLanguage(QLatin1String(language));
         w.settle();
         CHECK(w.page().source().path().contains(QStringLiteral("/manual/%1/").arg(QLatin1String(language))));
-        CHECK(cutOff(*w.dialog()) == "");
+        CHECK_MESSAGE(QTest::qWaitFor([&] { return cutOff(*w.dialog()) == ""; }), cutOff(*w.dialog()));
         for (int i = 0; i < w.contents().count(); ++i) {
             QTest::mouseClick(w.contents().viewport(), Qt::LeftButton, {}, w.contents().visualItemRect(w.contents().item(i)).center());
             w.settle();

@@ -81,6 +81,10 @@ void ManualPage::setType() {
         // Qt's reader leaves an empty line in the first cell.
         QTextCursor first = table->cellAt(0, 0).firstCursorPosition();
         if (first.block().text().isEmpty() && table->cellAt(0, 0).lastCursorPosition().block() != first.block()) first.deleteChar();
+        first.movePosition(QTextCursor::EndOfBlock, QTextCursor::KeepAnchor);
+        QTextCharFormat head;
+        head.setFontWeight(QFont::Bold);
+        first.mergeCharFormat(head);
         QTextTableFormat format = table->format();
         format.setBorderCollapse(true);
         format.setBorder(1.0);
@@ -113,6 +117,7 @@ ManualDialog::ManualDialog(QWidget* parent) : QDialog(parent) {
     page_ = named(new ManualPage(this), "manualPage");
     search_ = named(new QLineEdit(this), "manualSearch");
     search_->setClearButtonEnabled(true);
+    search_->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Preferred);  // a row is no higher than its lowest part lets it be: buttons in Japanese are higher
     search_->addAction(themedIcon(QStringLiteral("search"), Appearance::Role::Muted), QLineEdit::LeadingPosition);
     back_ = named(new QPushButton(this), "manualBack");
     forward_ = named(new QPushButton(this), "manualForward");
