@@ -83,7 +83,7 @@ private:
             if (!binds.empty()) to["morphTargetBinds"] = std::move(binds);
             for (const auto& [key, bind] : {std::pair{"colors", "materialColorBinds"}, {"textures", "textureTransformBinds"}})
                 for (const Json& material : member(from, key)) {
-                    const auto& known = file_.root["materials"];
+                    const Json& known = member(file_.root, "materials");
                     for (std::size_t m = 0; m < known.size(); ++m)
                         if (known[m]["name"] == member(material, "material")) {
                             Json item = without(material, {"material"});
