@@ -9,8 +9,8 @@
 namespace imomushi {
 namespace {
 
-/// A cut that was moved this often is left out: others push it to and fro.
-constexpr int kMostMoves = 2;
+/// Steps outward where it is not known how far.
+constexpr double kSteps = 2.0;
 /// A moved plane goes a little beyond the first place that works, in parts of the way, so that its twin works there, too.
 constexpr double kBeyond = 0.1;
 
@@ -46,9 +46,9 @@ public:
             }
             // Where it works is known of the cut that stays only; the other one goes outward.
             const bool outward = !nearest && refusal.other >= 0;
-            const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : wished_[at].reach / kMostMoves;
+            const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : wished_[at].reach / kSteps;
             fitted_[at].code = refusal.code;
-            if ((nearest || outward) && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < kMostMoves) {
+            if ((nearest || outward) && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < wished_[at].moves) {
                 move(at, by);
                 fitted_[at].why = "It was moved along the limb: " + refusal.message;
             } else {

@@ -19,6 +19,7 @@ struct WishedCut {
     double reach = 0.0;  ///< m, how far it may be moved along its normal
     int twin = -1;       ///< the cut that is its mirror image and stays it, -1: none
     std::optional<Vec3> tip;  ///< m, a place on the surface that must come to lie beyond it, seen from the root
+    int moves = 2;  ///< how often it may be moved; then it is left out: others push it to and fro
 };
 
 /// What becomes of it.

@@ -11,14 +11,14 @@ namespace {
 
 constexpr int kStations = 48;         // of a limb
 constexpr double kFinestStation = 0.005;     // between stations
-/// A limb has left its hub's flesh outside this part of the hub's ball.
-constexpr double kOutside = 0.6;
 /// Going inward, the flesh of the hub begins where the radius of the section grows by more than this per length: a cone of 40 degrees to each side.
 constexpr double kFlare = 0.85;
 /// The neck is looked for this far outward from there, in radii; what is farther out must be narrower by this part per radius.
 constexpr double kNeckWindow = 1.3, kNeckFarther = 0.25;
 /// What is left beyond the first cut is at least so many radii of it long: more than the corner of a cube, 1.1.
 constexpr double kLeastEnd = 1.15;
+/// The same where it is known what stands out.
+constexpr double kKnownWindow = 0.6, kLeastKnown = 0.8;
 /// Cuts between pieces are looked for this far to both sides, in lengths of the pieces; how much a right angle is worth against a section twice the area.
 constexpr double kPieceWindow = 0.22, kBend = 1.5;
 
@@ -98,19 +98,20 @@ private:
     std::vector<LimbStation> stations_;
 };
 
-/// Cuts between two ways, near equal parts.
-void divide(const Line& line, double from, double to, double perPiece, int most, std::vector<LimbStation>& cuts) {
+/// Cuts between two ways, near equal parts of what goes on for `beyond` after the second one.
+void divide(const Line& line, double from, double to, double beyond, double perPiece, int most, std::vector<LimbStation>& cuts) {
     const double thickness = 2.0 * line.meanRadius(from, from + 0.75 * (to - from));
     if (!(thickness > 0.0)) return;
-    const int pieces = std::clamp(static_cast<int>(std::lround((to - from) / (perPiece * thickness))), 1, most);
-    const double length = (to - from) / pieces;
+    const int pieces = std::clamp(static_cast<int>(std::lround((to + beyond - from) / (perPiece * thickness))), 1, most);
+    const double length = (to + beyond - from) / pieces;
     for (int k = 1; k < pieces; ++k) {
         const double middle = from + k * length;
+        if (middle >= to) break;
         const double usual = line.stations()[line.index(middle)].radius;
         const LimbStation* best = nullptr;
         double least = HUGE_VAL;
         for (const LimbStation& s : line.stations()) {
-            if (!(s.radius > 0.0) || std::abs(s.way - middle) > kPieceWindow * length) continue;
+            if (!(s.radius > 0.0) || std::abs(s.way - middle) > kPieceWindow * length || s.way >= to) continue;
             const double area = usual > 0.0 ? s.radius * s.radius / (usual * usual) : 1.0;
             const double off = (s.way - middle) / (kPieceWindow * length);
             const double cost = area - kBend * line.bend(s.way, 0.4 * length) * 2.0 / std::numbers::pi + 0.1 * off * off;
@@ -132,9 +133,11 @@ std::vector<LimbStation> cutsOfLimb(const CutSurface& surface, const Hub& hub, c
         if ((pointAlong(limb.line, s.way) - limb.line.front()).norm() <= kOutside * ball) exit = s.way + line.step();
     exit = std::min(exit, 0.7 * end);
     // Inward from the middle of the limb to where the flesh of the hub begins.
-    std::size_t base = line.index(exit + 0.4 * (end - exit));
+    const bool known = limb.own > 0.0 && end - limb.own > exit;
+    const double begin = std::max(exit, std::min(limb.hidden, 0.7 * end));
+    std::size_t base = line.index(known ? end - limb.own : begin + 0.4 * (end - begin));
     while (base + 1 < stations.size() && !(stations[base].radius > 0.0)) ++base;
-    for (std::size_t i = base; i-- > 0 && stations[i].way >= exit;) {
+    for (std::size_t i = base; !known && i-- > 0 && stations[i].way >= exit;) {
         if (!(stations[i].radius > 0.0)) break;
         const std::size_t before = i > 0 && stations[i - 1].radius > 0.0 ? i - 1 : i;
         const double flare = (stations[before].radius - stations[i + 1].radius) / (stations[i + 1].way - stations[before].way);
@@ -146,14 +149,14 @@ std::vector<LimbStation> cutsOfLimb(const CutSurface& surface, const Hub& hub, c
     for (std::size_t i = base; i < stations.size(); ++i) {
         const LimbStation& s = stations[i];
         const double beyond = (s.way - stations[base].way) / std::max(stations[base].radius, line.step());
-        if (beyond > kNeckWindow || s.way > end) break;
-        if (!(s.radius > 0.0) || end - s.way < (limb.end.empty() ? kLeastEnd : 0.0) * s.radius) continue;
+        if (beyond > (known ? kKnownWindow : kNeckWindow) || s.way > end) break;
+        if (!(s.radius > 0.0) || end - s.way < (!limb.end.empty() ? 0.0 : known ? kLeastKnown : kLeastEnd) * s.radius) continue;
         const double cost = s.radius * s.radius * (1.0 + kNeckFarther * beyond);
         if (cost < least) least = cost, neck = &s;
     }
     if (!neck) return {};
     std::vector<LimbStation> cuts = {*neck};
-    divide(line, neck->way, end, perPiece, most, cuts);
+    divide(line, neck->way, end, limb.beyond, perPiece, most, cuts);
     return cuts;
 }
 

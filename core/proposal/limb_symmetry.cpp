@@ -91,6 +91,12 @@ void layInto(Hub& hub, const CutPlane& plane) {
             limb.line.front() = hub.points[static_cast<std::size_t>(limb.point)];
             layInto(limb, plane);
             made.push_back(std::move(limb));
+        } else if (limb.end.empty() && std::abs(away(plane, middle(limb))) <= kInPlane) {
+            // It lies in the plane, up to one of two ends beside it.
+            while (limb.line.size() > 2 && std::abs(away(plane, limb.tip())) > kInPlane) limb.line.pop_back(), limb.radius.pop_back();
+            limb.line.front() = hub.points[static_cast<std::size_t>(limb.point)];
+            layInto(limb, plane);
+            made.push_back(std::move(limb));
         } else {
             addPair(std::move(limb));  // the skeleton missed its twin
         }

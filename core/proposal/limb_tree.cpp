@@ -17,8 +17,6 @@
 namespace imomushi {
 namespace {
 
-/// A branch is a limb where it stands out of the flesh that it grows from by this much: in diagonals, and in its own thicknesses.
-constexpr double kLeastReach = 0.035, kLeastSlenderness = 0.6;
 /// Two places where limbs meet are one hub where their balls nearly touch, or where the line between them, outside the balls, is nowhere thinner than this part of the
 /// smaller ball and not longer than so many of its thicknesses: more of them where both hubs have long limbs (chest and hips), fewer where one has short ones only (a head
 /// with ears), in parts of the longest limb.
@@ -314,6 +312,7 @@ private:
         if (from.points.size() > 1 && (from.points[1] - start).norm() < (from.points[0] - start).norm()) made.point = 1;
         const Vec3 begin = from.points[static_cast<std::size_t>(made.point)];
         if ((begin - start).norm() > 1e-9) {
+            made.hidden = (begin - start).norm() + kOutside * node(branch.nodes.front()).radius;
             made.line.push_back(begin);
             made.radius.push_back(from.radius[static_cast<std::size_t>(made.point)]);
         }
@@ -400,11 +399,15 @@ Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progres
     };
     IMOMUSHI_TRY(const auto coarse, skeleton(kCoarse));
     LimbTree tree = Builder(mesh, least).build(coarse);
-    if (farthestFlesh(mesh, coarse) <= kUnexplained) return tree;
-    const auto fine = skeleton(kFine);
-    if (!fine) return fine.error().code == kCancelled ? Result<LimbTree>(tl::unexpected(fine.error())) : tree;
-    LimbTree finer = Builder(mesh, least).build(*fine);
-    return limbCount(finer.root) > limbCount(tree.root) ? std::move(finer) : std::move(tree);
+    if (farthestFlesh(mesh, coarse) > kUnexplained) {
+        const auto fine = skeleton(kFine);
+        if (!fine && fine.error().code == kCancelled) return tl::unexpected(fine.error());
+        if (fine) {
+            LimbTree finer = Builder(mesh, least).build(*fine);
+            if (limbCount(finer.root) > limbCount(tree.root)) tree = std::move(finer);
+        }
+    }
+    return tree;
 }
 
 }  // namespace imomushi

@@ -12,6 +12,7 @@
 #include "core/proposal/fit_cuts.h"
 #include "core/proposal/mirror_plane.h"
 #include "core/proposal/proposal_codec.h"
+#include "core/proposal/standing.h"
 #include "core/proposal/rig_cuts.h"
 #include "core/proposal/rig_flesh.h"
 #include "core/worker/worker.h"
@@ -22,7 +23,6 @@ namespace {
 
 constexpr double kSmallPiece = 0.25;  // of the least share: a piece that is smaller than this is not cut off
 constexpr double kWithin = 0.95;      // of the way from the head of a bone to the end of its flesh: where its tip is
-constexpr double kStands = 0.03;      // of the height of a body: tips that are lower stand on the ground
 constexpr int kMostRounds = 10, kLastRounds = 4;  // in the last ones no other planes are tried
 constexpr std::size_t kMostRigPieces = 20;          // unless somebody asks for a least share
 constexpr double kMoreShare = 1.2;                  // by which the least share is raised until they are few
@@ -110,7 +110,7 @@ public:
         }
         proposal_.root = unique(names_[0] + " flesh");
         bones();
-        pins();
+        pinStanding(proposal_, tips_, body_);
         for (const MergedRig::Merge& merge : merged_.merges)
             proposal_.merged.push_back({rig_.bones[static_cast<std::size_t>(merge.bone)].name, names_[static_cast<std::size_t>(merged_.mover[static_cast<std::size_t>(merge.bone)])], merge.share, merge.why});
         if (!flesh_.skinned) proposal_.notes.push_back({"no-skin", "The file binds no skin to its bones: flesh follows the nearest one."});
@@ -255,14 +255,6 @@ private:
                 const ProposedBone& parent = proposal_.bones[static_cast<std::size_t>(bone.parent)];
                 bone.start = bone.fromParentStart ? parent.start : parent.end;
             }
-    }
-
-    /// Tips that stand on the ground, else the root.
-    void pins() {
-        const double low = body_.vertices.col(1).minCoeff(), ground = low + kStands * (body_.vertices.col(1).maxCoeff() - low);
-        for (const int tip : tips_)
-            if (proposal_.bones[static_cast<std::size_t>(tip)].end.y() <= ground) proposal_.pins.push_back({tip, true});
-        if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
     }
 
     static constexpr double kSame = 1e-6;  // of the diagonal: heads nearer than this are one

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "core/base/try.h"
@@ -17,13 +18,16 @@
 #include "core/proposal/limb_cuts.h"
 #include "core/proposal/mirror_plane.h"
 #include "core/proposal/proposal_codec.h"
+#include "core/proposal/standing.h"
 #include "core/worker/worker.h"
 
 namespace imomushi {
 namespace {
 
-/// Of the mesh that the skeleton is found on.
-constexpr std::size_t kVertices = 2500;
+/// Of the mesh that the skeleton is found on, and of the one on which ends are looked for that it loses.
+constexpr std::size_t kVertices = 2500, kFineVertices = 8000;
+/// How often limbs that the skeleton lost are tried, each time without those that could not be cut off.
+constexpr int kRounds = 5;
 /// Length of a piece in thicknesses; longer by the factor until there are at most so many cuts. Limbs are divided into few pieces, tentacles and chains into more.
 constexpr double kPerPiece = 2.0, kLonger = 1.3;
 constexpr std::size_t kMostCuts = 40;
@@ -31,6 +35,7 @@ constexpr int kMostOfLimb = 3, kMostOfTentacle = 8, kMostOfChain = 15;
 constexpr double kTentacle = 0.6;  // diagonals long
 /// A cut may be moved by this much of the radius of its section: as far as necks are looked for.
 constexpr double kCutReach = 1.3;
+constexpr int kMoves = 5;  // and so often: ears and horns that stand side by side give way to each other several times
 /// A limb stands on the ground where its tip is at most this far above the lowest point: of the height, or of the diagonal.
 constexpr double kGround = 0.06, kGroundOfDiagonal = 0.02;
 /// Bones end this far inside of the tip, in lengths of the last one.
@@ -48,6 +53,15 @@ struct LimbPlan {
 };
 struct HubPlan {
     std::vector<LimbPlan> limbs;
+};
+
+/// Cuts that were tried.
+struct Planned {
+    LimbTree tree;
+    HubPlan plan;
+    std::vector<WishedCut> wished;
+    std::vector<FittedCut> fitted;
+    std::size_t kept = 0;
 };
 
 /// The largest closed surface of a body, in coordinates with a bounding box of diagonal 1 about the origin.
@@ -113,38 +127,81 @@ public:
             if (tree.error().code == kCancelled) return tl::unexpected(tree.error());
             return asBlob(std::move(tree.error()));
         }
-        tree_ = std::move(*tree);
-        if (const auto plane = findMirrorPlane(scaled_.mesh)) {
-            mirror_ = plane;
-            symmetrise(tree_, *plane);
-            proposal_.symmetry = scaled_.back(*plane);
-        }
-        if (tree_.rings > 0)
-            proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree_.rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
+        mirror_ = findMirrorPlane(scaled_.mesh);
+        if (mirror_) proposal_.symmetry = scaled_.back(*mirror_);
+        if (tree->rings > 0)
+            proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree->rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
+        progress_.report("cut", 0.5);
+        HubPlan plan;
+        if (auto planned = planWithLost(*tree, plan); !planned) return tl::unexpected(std::move(planned.error()));
         // The bones of a ring would not meet again.
         if (tree_.blob || (tree_.chain && tree_.rings > 0)) return asBlob(std::nullopt);
-        HubPlan plan;
-        {
-            const CutSurface surface(even_);
-            for (double perPiece = kPerPiece;; perPiece *= kLonger) {
-                wished_.clear();
-                plan = tree_.chain ? planChain(surface, perPiece) : planHub(surface, tree_.root, perPiece);
-                if (wished_.size() <= kMostCuts || perPiece > 50.0) break;
-            }
-        }
-        progress_.report("cut", 0.5);
-        IMOMUSHI_TRY(fitted_, fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0)));
-        const bool cut = std::any_of(fitted_.begin(), fitted_.end(), [](const FittedCut& c) { return c.kept; });
-        if (!cut) return asBlob(std::nullopt);
+        if (keptCuts() == 0) return asBlob(std::nullopt);
         name(tree_.root, plan);
         keepCuts(plan);
         addBones(tree_.root, plan);
-        pinBones();
+        pinStanding(proposal_, tips_, body_);
         tellLeftOut(uncut(tree_.root, plan));
         return std::move(proposal_);
     }
 
 private:
+    // ---- limbs
+
+    /// Plans the cuts of a tree and tries them.
+    Result<void> planTree(LimbTree tree, HubPlan& plan) {
+        tree_ = std::move(tree);
+        if (mirror_) symmetrise(tree_, *mirror_);
+        plan = {};
+        wished_.clear();
+        fitted_.clear();
+        if (tree_.blob || (tree_.chain && tree_.rings > 0)) return {};
+        const CutSurface surface(even_);
+        for (double perPiece = kPerPiece;; perPiece *= kLonger) {
+            wished_.clear();
+            plan = tree_.chain ? planChain(surface, perPiece) : planHub(surface, tree_.root, perPiece);
+            if (wished_.size() <= kMostCuts || perPiece > 50.0) break;
+        }
+        IMOMUSHI_TRY(fitted_, fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0)));
+        return {};
+    }
+
+    /// With the limbs that the skeleton lost, as far as they can be cut off and no other cut is lost by them.
+    Result<void> planWithLost(const LimbTree& skeleton, HubPlan& plan) {
+        if (auto planned = planTree(skeleton, plan); !planned) return tl::unexpected(std::move(planned.error()));
+        TriangleMesh fine = evenMesh(scaled_.mesh, kFineVertices);
+        if (fine.triangles.rows() == 0) fine = even_;
+        const SurfaceTips tips = findSurfaceTips(fine);
+        std::vector<char> without(tips.tips.size(), 0);
+        for (int round = 0; round < kRounds; ++round) {
+            LimbTree tree = skeleton;
+            if (!addLostLimbs(tree, fine, tips, without, least_)) return {};
+            const Planned before{tree_, plan, wished_, fitted_, keptCuts()};
+            if (auto planned = planTree(std::move(tree), plan); !planned) return tl::unexpected(std::move(planned.error()));
+            const bool uncut = leaveUncutOut(tree_.root, plan, without);
+            if (!uncut && keptCuts() >= before.kept) return {};
+            std::tie(tree_, plan, wished_, fitted_) = std::tie(before.tree, before.plan, before.wished, before.fitted);
+            if (!uncut) return {};
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::size_t keptCuts() const {
+        return static_cast<std::size_t>(std::count_if(fitted_.begin(), fitted_.end(), [](const FittedCut& cut) { return cut.kept; }));
+    }
+
+    /// False: every lost limb has a cut.
+    bool leaveUncutOut(const Hub& hub, const HubPlan& plan, std::vector<char>& without) const {
+        bool some = false;
+        for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
+            const auto& cuts = plan.limbs[i].cuts;
+            if (hub.limbs[i].lost >= 0 && std::none_of(cuts.begin(), cuts.end(), [&](int c) { return fitted_[static_cast<std::size_t>(c)].kept; }))
+                without[static_cast<std::size_t>(hub.limbs[i].lost)] = 1, some = true;
+            for (std::size_t e = 0; e < plan.limbs[i].end.size(); ++e) some = leaveUncutOut(hub.limbs[i].end[e], plan.limbs[i].end[e], without) || some;
+        }
+        return some;
+    }
+
     // ---- cuts
 
     int wish(const LimbStation& station, const Limb& limb, int side) {
@@ -154,7 +211,7 @@ private:
             const Vec3 n = s.normal - mirror_->normal.dot(s.normal) * mirror_->normal;
             if (n.norm() > 0.3) s.normal = n.normalized();
         }
-        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1, limb.end.empty() ? std::optional(scaled_.back(limb.tip())) : std::nullopt});
+        wished_.push_back({scaled_.back(CutPlane{s.at, s.normal}), kCutReach * s.radius * scaled_.diagonal, -1, limb.end.empty() ? std::optional(scaled_.back(limb.tip())) : std::nullopt, kMoves});
         return static_cast<int>(wished_.size()) - 1;
     }
 
@@ -184,6 +241,7 @@ private:
                 plan.limbs[i] = image(plan.limbs[static_cast<std::size_t>(limb.twin)]);
                 continue;
             }
+            if (limb.stump) continue;
             const int most = limb.length() > kTentacle && limb.end.empty() ? kMostOfTentacle : kMostOfLimb;
             for (const LimbStation& s : cutsOfLimb(surface, hub, limb, perPiece, most)) plan.limbs[i].cuts.push_back(wish(s, limb, limb.side));
             for (const Hub& end : limb.end) plan.limbs[i].end.push_back(planHub(surface, end, perPiece));
@@ -248,6 +306,7 @@ private:
             LimbPlan& limb = plan.limbs[i];
             const Limb& shape = hub.limbs[i];
             const bool image = shape.twin >= 0 && shape.twin < static_cast<int>(i);
+            if (shape.stump) continue;
             limb.name = image ? plan.limbs[static_cast<std::size_t>(shape.twin)].name : of + " part " + std::to_string(++count);
             limb.suffix = suffix;
             if (suffix.empty() && shape.twin >= 0) limb.suffix = shape.side > 0 ? ".L" : ".R";
@@ -361,28 +420,21 @@ private:
         return std::any_of(hub.limbs.begin(), hub.limbs.end(), [](const LimbPlan& limb) { return !limb.cuts.empty(); });
     }
 
-    /// The tip of a limb; where it ends in a hub whose limbs are not cut, that of the longest of them (in the plane of symmetry where it lies there).
+    /// The tip of a limb; where it ends in a hub whose limbs are not cut, that of its stump, else of the longest of them (in the plane of symmetry where it lies there).
     [[nodiscard]] Vec3 tipOf(const Limb& limb) const {
         if (limb.end.empty()) return scaled_.back(limb.tip());
         const Hub& hub = limb.end[0];
         const Limb* longest = nullptr;
         for (const Limb& on : hub.limbs)
-            if ((!mirror_ || limb.side != 0 || on.side == 0) && (!longest || on.length() > longest->length())) longest = &on;
+            if ((!mirror_ || limb.side != 0 || on.side == 0) && (!longest || (!longest->stump && (on.stump || on.length() > longest->length())))) longest = &on;
         return longest ? tipOf(*longest) : scaled_.back(hub.points.back());
-    }
-
-    void pinBones() {
-        for (const int tip : tips_)
-            if (proposal_.bones[static_cast<std::size_t>(tip)].end.y() <= ground_) proposal_.pins.push_back({tip, true});
-        // What lies on the ground as a whole, and what stands on nothing, is held at its root.
-        if (proposal_.pins.empty() || proposal_.pins.size() == tips_.size()) proposal_.pins = {{0, false}};
     }
 
     /// Limbs without a cut.
     [[nodiscard]] static std::size_t uncut(const Hub& hub, const HubPlan& plan) {
         std::size_t count = 0;
         for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
-            if (plan.limbs[i].cuts.empty()) ++count;
+            if (plan.limbs[i].cuts.empty() && !hub.limbs[i].stump) ++count;
             for (std::size_t e = 0; e < plan.limbs[i].end.size(); ++e) count += uncut(hub.limbs[i].end[e], plan.limbs[i].end[e]);
         }
         return count;

@@ -8,7 +8,7 @@
 
 namespace imomushi {
 
-inline constexpr double kLeastShare = 5e-4;  ///< of the flesh of a piece, unless somebody says another
+inline constexpr double kLeastShare = 5e-5;  ///< of the flesh of a piece, unless somebody says another
 
 /// Proposes cuts, bones and pins from the shape of a body alone, +Y up: limbs are the branches of its skeleton (flowSkeleton()) that stand out of the flesh, cut at
 /// their necks and then into pieces about twice as long as they are thick (longer where there would be too many); the root is where most limbs meet. All cuts

@@ -15,6 +15,7 @@
 #include "core/proposal/mirror_plane.h"
 #include "core/proposal/proposal_mirror.h"
 #include "core/proposal/shape_proposal.h"
+#include "core/proposal/surface_tips.h"
 #include "core/io/build_result.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/health.h"
@@ -79,7 +80,78 @@ int count(const Proposal& proposal, const std::string& begin) {
     return static_cast<int>(std::count_if(proposal.cuts.begin(), proposal.cuts.end(), [&](const ProposedCut& cut) { return cut.piece.starts_with(begin); }));
 }
 
+/// A heavy animal, 2 m long, on short legs, with what a skeleton loses: a short tail (.15 m out of the rump), ears and horns on a head whose neck is hardly thinner than it is.
+TriangleMesh calf() {
+    std::vector<capsules::Capsule> body{{Vec3(0, 0.8, -0.5), Vec3(0, 0.85, 0.4), 0.36, 0.34},
+                                        {Vec3(0, 0.9, 0.4), Vec3(0, 1.4, 0.7), 0.24, 0.2},
+                                        {Vec3(0, 1.5, 0.7), Vec3(0, 1.4, 1.0), 0.27, 0.2},
+                                        {Vec3(0, 0.95, -0.8), Vec3(0, 0.9, -1.0), 0.07, 0.03}};
+    for (const double x : {-1.0, 1.0}) {
+        for (const double z : {-0.55, 0.4}) body.push_back({Vec3(0.2 * x, 0.7, z), Vec3(0.24 * x, 0.13, z), 0.16, 0.13});
+        body.push_back({Vec3(0.2 * x, 1.6, 0.6), Vec3(0.48 * x, 1.66, 0.55), 0.07, 0.05});
+        body.push_back({Vec3(0.1 * x, 1.7, 0.75), Vec3(0.15 * x, 1.95, 0.75), 0.05, 0.03});
+    }
+    return capsules::surface(body, 0.03, 0.03);
+}
+
+TriangleMesh ofDiagonal1(TriangleMesh mesh) {
+    mesh.vertices /= diagonalOf(mesh.vertices);
+    return mesh;
+}
+
 }  // namespace
+
+TEST_CASE("surface tips: what stands out of a surface, and nothing of what is round") {
+    TriangleMesh egg = shapes::sphere(1.0, 4).mesh;
+    for (const double longer : {1.0, 1.4, 1.4}) {
+        egg.vertices.col(2) *= longer;
+        for (const SurfaceTip& tip : findSurfaceTips(ofDiagonal1(egg)).tips) CHECK(tip.line.empty());
+    }
+    const TriangleMesh body = ofDiagonal1(capsules::starfish());
+    const SurfaceTips found = findSurfaceTips(body);
+    CHECK(found.tips.size() == 5);
+    for (const SurfaceTip& tip : found.tips) {
+        REQUIRE(tip.line.size() > 2);
+        // From the middle of an arm, which is in the plane y = 0 and leads outward, to its end.
+        for (std::size_t i = 1; i < tip.line.size(); ++i) {
+            CHECK(std::abs(tip.line[i].y()) < 0.05);
+            CHECK(tip.line[i].norm() > tip.line[i - 1].norm());
+        }
+        CHECK(found.tipOf[static_cast<std::size_t>(tip.vertex)] == &tip - found.tips.data());
+        CHECK(tip.share < 0.3);
+    }
+    CHECK(findSurfaceTips({}).tips.empty());
+}
+
+TEST_CASE("proposals: limbs that a skeleton loses are found on the surface") {
+    const TriangleMesh body = calf();
+    const Proposal proposal = proposed(body);
+    checkProposal(body, proposal);
+    REQUIRE(proposal.symmetry.has_value());
+    CHECK(mirrorError(proposal) <= kMirrored);
+    for (const char* piece : {"head", "tail"}) CHECK_MESSAGE(count(proposal, piece) > 0, piece);
+    // Each is cut off where it leaves the rest: the tip of each lies in a piece that is small, and in another one than the others.
+    const auto pieces = cutBody(body, planesOf(proposal));
+    REQUIRE(pieces.has_value());
+    const auto pieceAt = [&](const Vec3& place) {
+        std::size_t nearest = 0;
+        double least = HUGE_VAL;
+        for (std::size_t p = 0; p < pieces->size(); ++p)
+            if (const double d = ((*pieces)[p].body.vertices.rowwise() - place.transpose()).rowwise().squaredNorm().minCoeff(); d < least) least = d, nearest = p;
+        return nearest;
+    };
+    const std::vector<std::pair<Vec3, double>> tips = {{Vec3(0, 0.9, -1.03), 0.01},     {Vec3(0.53, 1.66, 0.55), 0.015}, {Vec3(-0.53, 1.66, 0.55), 0.015},
+                                                       {Vec3(0.15, 1.98, 0.75), 0.01}, {Vec3(-0.15, 1.98, 0.75), 0.01}, {Vec3(0, 1.4, 1.2), 0.3},
+                                                       {Vec3(0.24, 0, 0.4), 0.1},      {Vec3(-0.24, 0, -0.55), 0.1}};
+    std::set<std::size_t> different;
+    for (const auto& [tip, most] : tips) {
+        CAPTURE(tip.transpose());
+        const std::size_t piece = pieceAt(tip);
+        CHECK(different.insert(piece).second);
+        CHECK(meshFacts((*pieces)[piece].body).volume < most * meshFacts(body).volume);
+    }
+    CHECK(proposal.pins.size() == 4);
+}
 
 TEST_CASE("proposals: the arms of a starfish are cut where they leave its middle") {
     const TriangleMesh body = capsules::starfish();
@@ -265,15 +337,16 @@ TEST_CASE("proposals: characters of other people") {
     const std::vector<Expected> all = {{"penguin.obj", {"leg", "arm", "tail", "head"}, true},
                                        {"scorpion_low_resolution.obj", {"leg 1", "leg 2", "leg 3", "leg 4", "arm"}, true},
                                        {"cat-low-resolution.obj", {"leg 1", "leg 2", "leg 3", "limb 1", "limb 2"}, false},
-                                       {"model-dragon.glb", {"leg 1", "leg 2", "arm", "tail", "head"}, true},
-                                       {"model-fox.glb", {"leg 1", "leg 2", "tail", "head"}, true},
-                                       {"model-horse.glb", {"leg 1", "leg 2", "tail", "head"}, true},
+                                       {"model-dragon.glb", {"leg 1", "leg 2", "arm", "tail", "head", "head part 1", "head part 2"}, true},
+                                       {"model-fox.glb", {"leg 1", "leg 2", "tail", "head", "head part 1"}, true},
+                                       {"model-horse.glb", {"leg 1", "leg 2", "tail", "head", "head part 1"}, true},
                                        {"model-snake.glb", {"front", "middle", "back"}, true},
                                        {"model-spider.glb", {"leg"}, true},
                                        {"human-zombie.glb", {"leg", "arm", "head"}, true},
                                        {"Fox.glb", {"leg"}, true},
                                        {"character.glb", {"leg", "arm"}, true},
-                                       {"spot_low_resolution.obj", {"leg 1", "leg 2", "head"}, true},
+                                       {"spot.obj", {"leg 1", "leg 2", "head", "tail", "head part 1", "head part 2"}, true},
+                                       {"spot_low_resolution.obj", {"leg 1", "leg 2", "head", "head part 1"}, true},
                                        {"koala_low_resolution.obj", {"leg 1", "leg 2", "head"}, true},
                                        {"fish_low_resolution.obj", {}, true}};
     for (const Expected& expected : all) {

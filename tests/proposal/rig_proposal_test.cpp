@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -21,6 +22,7 @@
 #include "core/proposal/rig_flesh.h"
 #include "core/proposal/rig_proposal.h"
 #include "core/io/build_result.h"
+#include "tests/support/capsules.h"
 #include "tests/support/left_out.h"
 #include "tests/support/shapes.h"
 
@@ -244,6 +246,53 @@ TEST_CASE("proposal from a rig: a trunk leads to each of its limbs, and limbs li
     REQUIRE(proposal->pins.size() == 2);
     for (const ProposedPin& pin : proposal->pins) CHECK(proposal->bones[static_cast<std::size_t>(pin.bone)].end.y() < -3.7);
     CHECK(std::any_of(proposal->notes.begin(), proposal->notes.end(), [](const Error& note) { return note.code == "no-skin"; }));
+}
+
+TEST_CASE("proposal from a rig: feet are pinned where their flesh stands, whatever their bones end at, also on legs that are not equally long; a tail between them stays free") {
+    // The front legs end .04 m above the others, of a height of 1.87 m. Feet look forward from ankles .2 m above the ground.
+    std::vector<capsules::Capsule> shape{{Vec3(0, 1.0, -0.6), Vec3(0, 1.0, 0.6), 0.25, 0.25}, {Vec3(0, 1.1, 0.7), Vec3(0, 1.75, 1.2), 0.12, 0.12}, {Vec3(0, 1.1, -0.7), Vec3(0, 0.1, -1.5), 0.09, 0.08}};
+    std::vector<std::tuple<const char*, int, Vec3>> bones{{"trunk", -1, {0, 1, -0.5}}, {"neck", 0, {0, 1.2, 0.75}}, {"tail", 0, {0, 0.95, -0.85}}};
+    const std::vector<std::array<const char*, 2>> names{{"front.L", "front foot.L"}, {"front.R", "front foot.R"}, {"hind.L", "hind foot.L"}, {"hind.R", "hind foot.R"}};
+    for (const auto& name : names) {
+        const bool front = &name - names.data() < 2, left = (&name - names.data()) % 2 == 0;
+        const double x = left ? 0.22 : -0.22, z = front ? 0.55 : -0.55, up = front ? 0.04 : 0.0;
+        shape.push_back({Vec3(x, 0.95, z), Vec3(x, 0.2 + up, z), 0.13, 0.1});
+        shape.push_back({Vec3(x, 0.1 + up, z), Vec3(x, 0.1 + up, z + 0.2), 0.1, 0.1});
+        bones.emplace_back(name[0], 0, Vec3(x, 0.8, z));
+        bones.emplace_back(name[1], static_cast<int>(bones.size()) - 1, Vec3(x, 0.2 + up, z));
+    }
+    const TriangleMesh body = capsules::surface(shape, 0.05);
+    Rig rig;
+    for (const auto& [name, parent, head] : bones) {
+        RigBone bone;
+        bone.name = name, bone.parent = parent, bone.head = head, bone.node = static_cast<std::int32_t>(rig.nodes.size());
+        RigNode node;
+        node.parent = parent;
+        node.translation = parent < 0 ? head : Vec3(head - rig.bones[static_cast<std::size_t>(parent)].head);
+        rig.nodes.push_back(node);
+        rig.bones.push_back(bone);
+    }
+    guessTails(rig);
+    for (RigBone& bone : rig.bones) {
+        if (bone.name.find("foot") != std::string::npos) bone.tail = bone.head + Vec3(0, 0, 0.3);
+        if (bone.name == "neck") bone.tail = Vec3(0, 1.85, 1.28);
+        if (bone.name == "tail") bone.tail = Vec3(0, 0.1, -1.55);
+    }
+    bind(rig, body, [](const Vec3& p) {
+        const int limb = 3 + (p.z() > 0 ? 0 : 4) + (p.x() > 0 ? 0 : 2);
+        if (p.z() < -0.85) return 2;
+        if (p.y() > 1.2 && p.z() > 0.6) return 1;
+        return p.y() > 0.75 ? 0 : p.y() > 0.22 ? limb : limb + 1;
+    });
+    const auto proposal = proposeFromRig(rig, body, body, 0.005, {});
+    REQUIRE(proposal);
+    checkSound(*proposal, rig, body);
+    std::set<std::string> pinned;
+    for (const ProposedPin& pin : proposal->pins) {
+        CHECK(pin.atEnd);
+        pinned.insert(proposal->bones[static_cast<std::size_t>(pin.bone)].name);
+    }
+    CHECK(pinned == std::set<std::string>{"front foot.L", "front foot.R", "hind foot.L", "hind foot.R"});
 }
 
 TEST_CASE("shared meshes: proposals from the skeletons of files") {
