@@ -7,12 +7,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <numeric>
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/try.h"
 #include "core/reduction/element_statics.h"
 #include "core/reduction/held_modes.h"
 #include "core/reduction/joint_stiffness.h"
@@ -117,28 +117,29 @@ Result<double> discretisationError(const TrimmedElement& element, const SolvedBo
     return coarser->share * std::sqrt(handles ? sum / static_cast<double>(held.cols()) : largest);
 }
 
-/// Of buildWith().
-constexpr const char* kTooManyNodes = "too-many-nodes";
+/// What is solved in place of an element.
+struct Prepared {
+    TrimmedElement element;
+    SolvedBody solved;
+    std::chrono::steady_clock::time_point start;
+};
 
-/// `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there. Errors: also "too-many-nodes", more than `most` of them.
-Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const Progress& progress, std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
+/// `input` has joint faces and outlives what is made of it. `fill`: with tetrahedra, where the setting asks for them; afterwards whether they were there.
+Result<Prepared> prepare(const ResponseInput& input, bool& fill, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
+    IMOMUSHI_TRY(auto element, trimmedElement(input, progress.part(0.0, 0.2)));
+    auto solved = solvedBody(element.input.mesh->body, element.input.faces, input.solverMesh, progress.part(0.2, 1.0), fill);
+    fill = solved && solved->filling;
+    if (!solved) return tl::make_unexpected(solved.error());
+    return Prepared{std::move(element), std::move(*solved), start};
+}
+
+Result<ElementResponse> finish(const ResponseInput& input, const Prepared& prepared, const Progress& progress) {
+    const TrimmedElement* const element = &prepared.element;
+    const SolvedBody* const solved = &prepared.solved;
     ElementResponse response;
     response.bases = basesOf(input, response.firstColumn);
     const int g = response.columns();
-    if (input.faces.empty()) {
-        fill = false;
-        response.freeVertices = freeVerticesOf(input);
-        response.response.resize(3 * static_cast<Eigen::Index>(response.freeVertices.size()), 0);
-        response.stiffness.resize(0, 0);
-        return response;
-    }
-    auto element = trimmedElement(input, progress.part(0.0, 0.02));
-    if (!element) return tl::make_unexpected(element.error());
-    auto solved = solvedBody(element->input.mesh->body, element->input.faces, input.solverMesh, progress.part(0.02, 0.1), fill);
-    fill = solved && solved->filling;
-    if (!solved) return tl::make_unexpected(solved.error());
-    if (fill && quadraticNodes(*solved) > most) return fail(kTooManyNodes, "The body has too many nodes.");
     const SolverMesh& mesh = solved->mesh;
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
@@ -197,8 +198,23 @@ Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const 
     }
     if (input.basis == BasisKind::Full && response.tractions.size() == 0)
         return fail("singular", "A joint face has no area; choose a larger one.");
-    response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    response.quality.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - prepared.start).count();
     return response;
+}
+
+/// Both; an element without joint faces follows as it is.
+Result<ElementResponse> buildWith(const ResponseInput& input, bool& fill, const Progress& progress) {
+    if (input.faces.empty()) {
+        fill = false;
+        ElementResponse response;
+        response.bases = basesOf(input, response.firstColumn);
+        response.freeVertices = freeVerticesOf(input);
+        response.response.resize(3 * static_cast<Eigen::Index>(response.freeVertices.size()), 0);
+        response.stiffness.resize(0, 0);
+        return response;
+    }
+    IMOMUSHI_TRY(const auto prepared, prepare(input, fill, progress.part(0.0, 0.1)));
+    return finish(input, prepared, progress);
 }
 
 /// Only what the input alone decides is a reason to go another way: a tetrahedron is too flat. Too little memory is none.
@@ -227,9 +243,12 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, SolverMeshSett
         finer.solverMesh.kind = SolverMeshSetting::Kind::Best;
         if (solvedSize(finer.mesh->body, finer.faces, finer.solverMesh).nodes > kClimbNodes) return response;
         bool filledFiner = true;
-        auto better = buildWith(finer, filledFiner, progress, kClimbNodesCounted);
-        if (!better && better.error().code != kTooManyNodes && !byInput(better.error())) return better;
-        if (!better || !filledFiner) return response;
+        const auto prepared = prepare(finer, filledFiner, progress.part(0.0, 0.1));
+        if (!prepared && !byInput(prepared.error())) return tl::make_unexpected(prepared.error());
+        if (!prepared || !filledFiner || quadraticNodes(prepared->solved) > kClimbNodesCounted) return response;
+        auto better = finish(finer, *prepared, progress);
+        if (!better && !byInput(better.error())) return better;
+        if (!better) return response;
         better->quality.seconds += response->quality.seconds;
         solvedAs = finer.solverMesh;
         return better;
