@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kSource = IMOMUSHI_SOURCE_DIR;
-const fs::path kManual = kSource / "assets/manual";
+const fs::path kRepository = IMOMUSHI_SOURCE_DIR;
+const fs::path kManual = kRepository / "assets/manual";
 constexpr std::uintmax_t kLargestPicture = 200'000;  // bytes: a page opens quickly on a forge
 
 std::vector<fs::path> pagesOf(const char* language) {
@@ -83,7 +83,7 @@ TEST_CASE("manual: every page is there in both languages, with the same sections
 }
 
 TEST_CASE("manual: every link leads to a file that is there, and to a heading in it") {
-    std::vector<fs::path> pages = {kSource / "README.md", kSource / "CONTRIBUTING.md", kSource / "ARCHITECTURE.md"};
+    std::vector<fs::path> pages = {kRepository / "README.md", kRepository / "CONTRIBUTING.md", kRepository / "ARCHITECTURE.md"};
     for (const char* language : {"en", "ja"})
         for (const fs::path& page : pagesOf(language)) pages.push_back(page);
     std::set<std::string> reached;
@@ -118,7 +118,7 @@ TEST_CASE("manual: every link leads to a file that is there, and to a heading in
 TEST_CASE("manual: its pages of all commands are what the program's help says, in Japanese, too") {
     const fs::path fresh = folder() / "manual";
     const auto shell = [&](const std::string& command) { return std::system((command + " 2>'" + (folder() / "stderr").string() + "'").c_str()); };
-    const int status = shell("'" + (kSource / "packaging/commands.sh").string() + "' '" IMOMUSHI_PROGRAM "' '" + fresh.string() + "'");
+    const int status = shell("'" + (kRepository / "packaging/commands.sh").string() + "' '" IMOMUSHI_PROGRAM "' '" + fresh.string() + "'");
     // Where a text is new, it is in stderr: add a line to packaging/commands_ja.tsv, and run packaging/commands.sh.
     CHECK_MESSAGE(status == 0, readFile(folder() / "stderr"));
     for (const char* page : {"en/commands.md", "ja/commands.md"}) {
@@ -128,7 +128,7 @@ TEST_CASE("manual: its pages of all commands are what the program's help says, i
 }
 
 TEST_CASE("manual: README.md is read in five minutes") {
-    std::istringstream words(readFile(kSource / "README.md"));
+    std::istringstream words(readFile(kRepository / "README.md"));
     int count = 0;
     for (std::string word; words >> word;) ++count;
     CHECK(count <= 700);
