@@ -29,7 +29,8 @@ constexpr std::size_t kRimFaces = 6;  // up to so many
 constexpr double kDraftRim = 0.2, kDefaultRim = 0.05, kBestRim = 0.03, kCoarserRim = 1.7;
 /// What is left of the difference from the coarser level, see volumeErrorLeft(): with edges of one size, measured on six bodies with handles; and with small edges at rims alone, a little
 /// more than the mean of thirteen bodies at three Poisson ratios: 0.6 to 1.2 by default, 0.5 to 1.8 in drafts (tests/elasticity/reference_test.cpp).
-constexpr double kVolumeErrorLeft = 0.65, kRimErrorLeft = 1.3;
+/// Drafts, whose tetrahedra grow faster than those of their coarser level, leave more.
+constexpr double kVolumeErrorLeft = 0.65, kRimErrorLeft = 1.3, kDraftErrorLeft = 1.45;
 /// With edges of one size a decimated body of fewer vertices loses shape on both levels alike, which their difference does not see: by this power.
 constexpr double kKeepShape = 2500.0, kShapeLost = 0.25;
 /// Nodes of such a body, about: for each edge of a rim, and for each vertex of the surface. Fitted to five pieces.
@@ -163,13 +164,13 @@ int volumeNodes(const TriangleMesh& body, std::span<const JointFace> faces, cons
 }
 
 double volumeErrorLeft(const SolvedBody& fine) {
-    if (fine.detail.rim > 0.0) return kRimErrorLeft;
+    if (fine.detail.rim > 0.0) return fine.detail.growth > VolumeDetail().growth ? kDraftErrorLeft : kRimErrorLeft;
     return fine.decimated ? kVolumeErrorLeft * std::pow(std::max(1.0, kKeepShape / fine.detail.vertices), kShapeLost) : kVolumeErrorLeft;
 }
 
 VolumeDetail coarserVolume(const VolumeDetail& detail, bool decimated) {
     // On one surface the levels differ by their tetrahedra alone. Without small edges at rims it is the surface that has the edges.
-    return {std::max(detail.vertices / 3, SolverMeshSetting::kFewest), kCoarserRim * detail.rim, detail.rim > 0.0 && !decimated, detail.growth, detail.crease};
+    return {std::max(detail.vertices / 3, SolverMeshSetting::kFewest), kCoarserRim * detail.rim, detail.rim > 0.0 && !decimated};
 }
 
 Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress) {
