@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/json_member.h"
 #include "core/document/avatar.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
@@ -12,13 +13,6 @@
 namespace imomushi {
 
 namespace {
-
-const Json& member(const Json& object, const char* key) {
-    static const Json nothing;
-    if (!object.is_object()) return nothing;
-    const auto found = object.find(key);
-    return found == object.end() ? nothing : *found;
-}
 
 std::string plainText(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
@@ -74,22 +68,22 @@ Result<Json> showExpression(LiveCharacter& live, const Json&, Json answer) {
 AvatarFacts avatarFacts(const Rig& rig) {
     AvatarFacts facts;
     const Json avatar = Json::parse(rig.avatar, nullptr, false);
-    facts.version = plainText(member(avatar, "version"));
+    facts.version = plainText(jsonMember(avatar, "version"));
     // Of 0.x its own words count.
-    const Json& licence = member(avatar, "original").is_object() ? member(avatar, "original") : member(avatar, "meta");
+    const Json& licence = jsonMember(avatar, "original").is_object() ? jsonMember(avatar, "original") : jsonMember(avatar, "meta");
     if (licence.is_object())
         for (const auto& [key, value] : licence.items())
             if (std::string said = plainText(value); !said.empty()) facts.licence.emplace_back(key, std::move(said));
-    for (const Json& from : member(avatar, "expressions")) {
-        AvatarExpression expression{plainText(member(from, "name")), {}};
-        for (const Json& morph : member(from, "morphs"))
-            if (const Json& weight = member(morph, "weight"); weight.is_number() && member(morph, "target").is_string())
-                expression.morphs.emplace_back(plainText(member(morph, "target")), std::clamp(weight.get<double>(), 0.0, 1.0));
+    for (const Json& from : jsonMember(avatar, "expressions")) {
+        AvatarExpression expression{plainText(jsonMember(from, "name")), {}};
+        for (const Json& morph : jsonMember(from, "morphs"))
+            if (const Json& weight = jsonMember(morph, "weight"); weight.is_number() && jsonMember(morph, "target").is_string())
+                expression.morphs.emplace_back(plainText(jsonMember(morph, "target")), std::clamp(weight.get<double>(), 0.0, 1.0));
         if (!expression.name.empty()) facts.expressions.push_back(std::move(expression));
     }
-    facts.springs = member(member(avatar, "springBone"), "springs").size();
-    facts.firstPerson = !member(avatar, "firstPerson").empty();
-    facts.lookAt = member(avatar, "lookAt").is_object();
+    facts.springs = jsonMember(jsonMember(avatar, "springBone"), "springs").size();
+    facts.firstPerson = !jsonMember(avatar, "firstPerson").empty();
+    facts.lookAt = jsonMember(avatar, "lookAt").is_object();
     return facts;
 }
 

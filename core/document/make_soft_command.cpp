@@ -131,8 +131,8 @@ public:
 
     /// What an artist expects of a body that is dragged: bends without cracks, a soft skin over joints, bones that swing; of one that stands, the ground and a trunk that stays upright.
     /// What is on already stays as it is.
-    Result<void> makeAlive() {
-        if (proposal_.bones.empty()) return {};
+    void makeAlive() {
+        if (proposal_.bones.empty()) return;
         const auto enable = [&](EffectKind kind, bool automatic) {
             if (document().effects.has(kind)) return;
             Json line{{"do", "enable"}, {"effect", std::string(effectName(kind))}};
@@ -148,13 +148,12 @@ public:
             const ProposedBone& bone = proposal_.bones[static_cast<std::size_t>(pin.bone)];
             return (pin.atEnd ? bone.end : bone.start).y() - low < kFootHeight * height;
         });
-        if (!stands) return {};
+        if (!stands) return;
         if (!document().effects.has(EffectKind::Ground)) {
             execute({{"do", "set"}, {"target", std::string(effectName(EffectKind::Ground))}, {"property", "height"}, {"value", low}}, "The height of the ground");
             enable(EffectKind::Ground, false);
         }
         if (document().settings.bodyFollows == 0.0) execute({{"do", "set"}, {"target", "character"}, {"property", "body-follows"}, {"value", 1.0}}, "The trunk that stays upright");
-        return {};
     }
 
     Json pins = Json::array(), handles = Json::array();
@@ -316,8 +315,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     seconds["cut"] = watch.lap();
     for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
         if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
-    if (arguments.value("alive", false))
-        if (auto ok = maker.makeAlive(); !ok) return tl::unexpected(ok.error());
+    if (arguments.value("alive", false)) maker.makeAlive();
     seconds["bones"] = watch.lap();
     step.end({"make-soft", source->name});
     access.changedPose();

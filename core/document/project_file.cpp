@@ -69,9 +69,9 @@ void readSettings(Database& db, Document& document) {
         require(!found.empty(), "a setting is missing");
         return found.mapped();
     };
-    const auto number = [&](const char* name, std::int64_t low, std::int64_t high) {
+    const auto number = [&]<class Number>(const char* name, Number low, Number high) {
         const std::string text = take(name);
-        std::int64_t value = 0;
+        Number value{};
         const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
         require(read.ec == std::errc() && read.ptr == text.data() + text.size() && value >= low && value <= high, "a setting is out of range");
         return value;
@@ -82,12 +82,9 @@ void readSettings(Database& db, Document& document) {
     const auto format = responseFormat(take(kFormat));
     require(format.has_value(), "the format is unknown");
     document.settings.format = *format;
-    document.settings.threads = static_cast<int>(number(kThreads, 0, 1024));
-    const std::string follows = take(kBodyFollows);
-    const auto read = std::from_chars(follows.data(), follows.data() + follows.size(), document.settings.bodyFollows);
-    require(read.ec == std::errc() && read.ptr == follows.data() + follows.size() && document.settings.bodyFollows >= 0.0 && document.settings.bodyFollows <= CharacterSettings::kMostFollow,
-            "a setting is out of range");
-    document.nextId = static_cast<PartId>(number(kNextId, 1, kMaxId));
+    document.settings.threads = static_cast<int>(number(kThreads, std::int64_t{0}, std::int64_t{1024}));
+    document.settings.bodyFollows = number(kBodyFollows, 0.0, CharacterSettings::kMostFollow);
+    document.nextId = static_cast<PartId>(number(kNextId, std::int64_t{1}, std::int64_t{kMaxId}));
     document.unknown.settings = std::move(all);
 }
 

@@ -2,6 +2,7 @@
 // Source: "VRMC_vrm-1.0" and "VRMC_springBone-1.0", VRM Consortium.
 #include "core/export/vrm_writer.h"
 
+#include "core/base/json_member.h"
 #include "core/mesh/avatar.h"
 
 namespace imomushi {
@@ -10,13 +11,6 @@ namespace {
 
 using Json = GltfFile::Json;
 
-/// Of an object that a project says: nothing of it is believed. Null where there is none.
-const Json& member(const Json& object, const char* key) {
-    static const Json nothing;
-    if (!object.is_object()) return nothing;
-    const auto found = object.find(key);
-    return found == object.end() ? nothing : *found;
-}
 std::string text(const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }
 
 /// `value` without what names things of the scene; null: nothing is left.
@@ -34,10 +28,10 @@ public:
         Json vrm{{"specVersion", "1.0"}, {"meta", meta()}, {"humanoid", humanoid()}};
         if (Json list = expressions(); !list.empty()) vrm["expressions"] = std::move(list);
         Json seen = Json::array();
-        for (const Json& from : member(avatar_, "firstPerson"))
-            for (const int node : places_.parts(text(member(from, "part")))) seen.push_back({{"node", node}, {"type", member(from, "type")}});
+        for (const Json& from : jsonMember(avatar_, "firstPerson"))
+            for (const int node : places_.parts(text(jsonMember(from, "part")))) seen.push_back({{"node", node}, {"type", jsonMember(from, "type")}});
         if (!seen.empty()) vrm["firstPerson"] = {{"meshAnnotations", std::move(seen)}};
-        if (const Json& look = member(avatar_, "lookAt"); look.is_object()) vrm["lookAt"] = look;
+        if (const Json& look = jsonMember(avatar_, "lookAt"); look.is_object()) vrm["lookAt"] = look;
         use("VRMC_vrm", std::move(vrm));
         springs();
     }
@@ -50,10 +44,10 @@ private:
 
     /// What 1.0 wants is there, whatever a project says.
     Json meta() const {
-        Json out = member(avatar_, "meta").is_object() ? member(avatar_, "meta") : Json::object();
-        if (text(member(out, "name")).empty()) out["name"] = "avatar";
-        if (!member(out, "authors").is_array() || out["authors"].empty()) out["authors"] = {"unknown"};
-        if (text(member(out, "licenseUrl")).empty()) out["licenseUrl"] = "https://vrm.dev/licenses/1.0/";
+        Json out = jsonMember(avatar_, "meta").is_object() ? jsonMember(avatar_, "meta") : Json::object();
+        if (text(jsonMember(out, "name")).empty()) out["name"] = "avatar";
+        if (!jsonMember(out, "authors").is_array() || out["authors"].empty()) out["authors"] = {"unknown"};
+        if (text(jsonMember(out, "licenseUrl")).empty()) out["licenseUrl"] = "https://vrm.dev/licenses/1.0/";
         return out;
     }
 
@@ -66,33 +60,33 @@ private:
 
     Json expressions() const {
         Json out = Json::object();
-        for (const Json& from : member(avatar_, "expressions")) {
-            const std::string name = text(member(from, "name"));
+        for (const Json& from : jsonMember(avatar_, "expressions")) {
+            const std::string name = text(jsonMember(from, "name"));
             if (name.empty()) continue;
             Json to = without(from, {"name", "preset", "morphs", "colors", "textures"});
             Json binds = Json::array();
-            for (const Json& morph : member(from, "morphs"))
+            for (const Json& morph : jsonMember(from, "morphs"))
                 for (const int node : places_.meshNodes) {
                     const Json& mesh = file_.root["meshes"][file_.root["nodes"][static_cast<std::size_t>(node)]["mesh"].get<std::size_t>()];
                     int index = 0;
-                    for (const Json& target : member(member(mesh, "extras"), "targetNames")) {
-                        if (target == member(morph, "target")) binds.push_back({{"node", node}, {"index", index}, {"weight", member(morph, "weight")}});
+                    for (const Json& target : jsonMember(jsonMember(mesh, "extras"), "targetNames")) {
+                        if (target == jsonMember(morph, "target")) binds.push_back({{"node", node}, {"index", index}, {"weight", jsonMember(morph, "weight")}});
                         ++index;
                     }
                 }
             if (!binds.empty()) to["morphTargetBinds"] = std::move(binds);
             for (const auto& [key, bind] : {std::pair{"colors", "materialColorBinds"}, {"textures", "textureTransformBinds"}})
-                for (const Json& material : member(from, key)) {
-                    const Json& known = member(file_.root, "materials");
+                for (const Json& material : jsonMember(from, key)) {
+                    const Json& known = jsonMember(file_.root, "materials");
                     for (std::size_t m = 0; m < known.size(); ++m)
-                        if (known[m]["name"] == member(material, "material")) {
+                        if (known[m]["name"] == jsonMember(material, "material")) {
                             Json item = without(material, {"material"});
                             item["material"] = m;
                             to[bind].push_back(std::move(item));
                             break;
                         }
                 }
-            out[member(from, "preset") == true ? "preset" : "custom"][name] = std::move(to);
+            out[jsonMember(from, "preset") == true ? "preset" : "custom"][name] = std::move(to);
         }
         return out;
     }
@@ -103,25 +97,25 @@ private:
     }
 
     void springs() {
-        const Json& from = member(avatar_, "springBone");
+        const Json& from = jsonMember(avatar_, "springBone");
         Json out{{"specVersion", "1.0"}}, colliders = Json::array(), groups = Json::array(), list = Json::array();
         std::vector<int> kept;
-        for (const Json& collider : member(from, "colliders")) {
-            const int node = nodeOf(member(collider, "bone"));
+        for (const Json& collider : jsonMember(from, "colliders")) {
+            const int node = nodeOf(jsonMember(collider, "bone"));
             kept.push_back(node < 0 ? -1 : static_cast<int>(colliders.size()));
-            if (node >= 0) colliders.push_back({{"node", node}, {"shape", member(collider, "shape")}});
+            if (node >= 0) colliders.push_back({{"node", node}, {"shape", jsonMember(collider, "shape")}});
         }
-        for (const Json& group : member(from, "colliderGroups")) {
+        for (const Json& group : jsonMember(from, "colliderGroups")) {
             Json to = without(group, {"colliders"});
             to["colliders"] = Json::array();
-            for (const Json& c : member(group, "colliders"))
+            for (const Json& c : jsonMember(group, "colliders"))
                 if (c.is_number_unsigned() && c.get<std::size_t>() < kept.size() && kept[c.get<std::size_t>()] >= 0) to["colliders"].push_back(kept[c.get<std::size_t>()]);
             groups.push_back(std::move(to));
         }
-        for (const Json& spring : member(from, "springs")) {
+        for (const Json& spring : jsonMember(from, "springs")) {
             Json to = without(spring, {"joints", "center", "colliderGroups"}), joints = Json::array(), near = Json::array();
-            for (const Json& joint : member(spring, "joints")) {
-                const int node = nodeOf(member(joint, "bone"));
+            for (const Json& joint : jsonMember(spring, "joints")) {
+                const int node = nodeOf(jsonMember(joint, "bone"));
                 if (node < 0) continue;
                 Json j = without(joint, {"bone"});
                 j["node"] = node;
@@ -129,8 +123,8 @@ private:
             }
             if (joints.empty()) continue;
             to["joints"] = std::move(joints);
-            if (const int center = nodeOf(member(spring, "center")); center >= 0) to["center"] = center;
-            for (const Json& g : member(spring, "colliderGroups"))
+            if (const int center = nodeOf(jsonMember(spring, "center")); center >= 0) to["center"] = center;
+            for (const Json& g : jsonMember(spring, "colliderGroups"))
                 if (g.is_number_unsigned() && g.get<std::size_t>() < groups.size()) near.push_back(g);
             if (!near.empty()) to["colliderGroups"] = std::move(near);
             list.push_back(std::move(to));

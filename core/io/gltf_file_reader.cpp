@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/json_member.h"
 #include "core/io/gltf_compression.h"
 #include "core/io/reader_support.h"
 
@@ -17,7 +18,6 @@ using Json = GltfFileReader::Json;
 constexpr std::size_t kLargestBuffer = std::size_t{1} << 30;
 constexpr std::uint64_t kMaxItems = std::uint64_t{1} << 28;  // of an accessor
 
-const Json kNothing;
 
 /// Bytes of one component, 0: no such type.
 std::size_t componentSize(std::uint64_t type) { return type == 5120 || type == 5121 ? 1 : type == 5122 || type == 5123 ? 2 : type == 5125 || type == 5126 ? 4 : 0; }
@@ -62,9 +62,7 @@ void GltfFileReader::refuseAsOld(const std::string& what) const {
 void GltfFileReader::refuseAsTooLarge() const { throw Refused{tooManyVertices(file_).value()}; }
 
 const Json& GltfFileReader::member(const Json& object, const char* key) {
-    if (!object.is_object()) return kNothing;
-    const auto found = object.find(key);
-    return found == object.end() ? kNothing : *found;
+    return jsonMember(object, key);
 }
 
 const Json& GltfFileReader::array(const Json& value) const {

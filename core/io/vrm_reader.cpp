@@ -376,12 +376,11 @@ private:
     std::size_t nodes_;
 };
 
-/// Calls `use` with each node below one, itself included.
-void below(const GltfFileReader& file, std::size_t node, int depth, const std::function<void(std::size_t)>& use) {
-    use(node);
-    if (depth > kLongestChain) return;
+/// Adds the nodes below one, itself included. A file may say that nodes are below themselves: each is visited once.
+void addBelow(const GltfFileReader& file, std::size_t node, int depth, std::set<std::size_t>& visited) {
+    if (!visited.insert(node).second || depth > kLongestChain) return;
     const Json& nodes = file.list("nodes");
-    for (const Json& child : file.array(member(nodes[node], "children"))) below(file, file.index(child, nodes.size(), "node"), depth + 1, use);
+    for (const Json& child : file.array(member(nodes[node], "children"))) addBelow(file, file.index(child, nodes.size(), "node"), depth + 1, visited);
 }
 
 }  // namespace
@@ -392,16 +391,16 @@ Vrm vrmOf(const GltfFileReader& file) {
 }
 
 std::vector<std::size_t> vrmNodes(const GltfFileReader& file) {
-    std::set<std::size_t> out;
+    std::set<std::size_t> out, hanging;
     const std::size_t nodes = file.list("nodes").size();
     const Json& extensions = member(file.root(), "extensions");
     const auto take = [&](const Json& at, bool all) {
         try {
             const std::size_t n = file.index(at, nodes, "node");
-            if (!all)
+            if (all)
+                addBelow(file, n, 0, hanging);
+            else
                 out.insert(n);
-            else if (out.size() <= nodes)
-                below(file, n, 0, [&](std::size_t under) { out.insert(under); });
         } catch (const GltfFileReader::Refused&) {  // told when it is read
         }
     };
@@ -417,6 +416,7 @@ std::vector<std::size_t> vrmNodes(const GltfFileReader& file) {
         each(member(member(member(extensions, "VRM"), "humanoid"), "humanBones"), [&](const Json& bone) { take(member(bone, "node"), false); });
         each(member(member(member(extensions, "VRM"), "secondaryAnimation"), "boneGroups"), [&](const Json& group) { each(member(group, "bones"), [&](const Json& bone) { take(bone, true); }); });
     }
+    out.merge(hanging);
     return {out.begin(), out.end()};
 }
 
@@ -431,13 +431,13 @@ void readVrm(const GltfFileReader& file, const VrmNames& names, Rig& rig, RawSce
         tell(scene, Severity::Warning, "avatar", "What the file says of its avatar is too large and was left out.", 1);
         return;
     }
-    std::string known = "A VRM avatar";
+    std::string known;
     const auto add = [&](std::size_t n, const char* one, const char* several) {
-        if (n > 0) known += std::string(known.size() < 13 ? " of " : ", ") + std::to_string(n) + " " + (n == 1 ? one : several);
+        if (n > 0) known += (known.empty() ? " of " : ", ") + std::to_string(n) + " " + (n == 1 ? one : several);
     };
     add(rig.roles.size(), "humanoid bone", "humanoid bones");
     add(avatar["expressions"].size(), "expression", "expressions");
-    tell(scene, Severity::Info, "avatar", known + ".", 1, false);
+    tell(scene, Severity::Info, "avatar", "A VRM avatar" + known + ".", 1, false);
     const std::size_t springs = avatar.contains("springBone") ? avatar["springBone"]["springs"].size() : 0;
     if (springs > 0 || avatar.contains("lookAt") || !avatar["firstPerson"].empty())
         tell(scene, Severity::Info, "avatar-kept", "Springs, first person and look-at of the avatar are kept for export and move nothing here.", springs + avatar["firstPerson"].size() + avatar.contains("lookAt"), false);

@@ -149,7 +149,7 @@ private:
     // ---- limbs
 
     /// Plans the cuts of a tree and tries them.
-    Result<void> planTree(LimbTree tree, HubPlan& plan) {
+    Result<void> planTree(LimbTree tree, HubPlan& plan, const Progress& progress) {
         tree_ = std::move(tree);
         if (mirror_) symmetrise(tree_, *mirror_);
         plan = {};
@@ -162,13 +162,13 @@ private:
             plan = tree_.chain ? planChain(surface, perPiece) : planHub(surface, tree_.root, perPiece);
             if (wished_.size() <= kMostCuts || perPiece > 50.0) break;
         }
-        IMOMUSHI_TRY(fitted_, fitCuts(body_, wished_, proposal_.symmetry, least_, progress_.part(0.5, 1.0)));
+        IMOMUSHI_TRY(fitted_, fitCuts(body_, wished_, proposal_.symmetry, least_, progress));
         return {};
     }
 
     /// With the limbs that the skeleton lost, as far as they can be cut off and no other cut is lost by them.
     Result<void> planWithLost(const LimbTree& skeleton, HubPlan& plan) {
-        if (auto planned = planTree(skeleton, plan); !planned) return tl::unexpected(std::move(planned.error()));
+        if (auto planned = planTree(skeleton, plan, progress_.part(0.5, 0.7)); !planned) return tl::unexpected(std::move(planned.error()));
         TriangleMesh fine = evenMesh(scaled_.mesh, kFineVertices);
         if (fine.triangles.rows() == 0) fine = even_;
         const SurfaceTips tips = findSurfaceTips(fine);
@@ -177,7 +177,7 @@ private:
             LimbTree tree = skeleton;
             if (!addLostLimbs(tree, fine, tips, without, least_)) return {};
             const Planned before{tree_, plan, wished_, fitted_, keptCuts()};
-            if (auto planned = planTree(std::move(tree), plan); !planned) return tl::unexpected(std::move(planned.error()));
+            if (auto planned = planTree(std::move(tree), plan, progress_.part(0.7 + 0.3 * round / kRounds, 0.7 + 0.3 * (round + 1) / kRounds)); !planned) return tl::unexpected(std::move(planned.error()));
             const bool uncut = leaveUncutOut(tree_.root, plan, without);
             if (!uncut && keptCuts() >= before.kept) return {};
             std::tie(tree_, plan, wished_, fitted_) = std::tie(before.tree, before.plan, before.wished, before.fitted);

@@ -28,7 +28,7 @@ constexpr std::size_t kRimFaces = 6;  // up to so many
 /// mean square over joint modes: drafts 1.1 to 3.9 %, default 0.2 to 0.9 % on 15 pieces of two characters; a torso of low polygons 2.4 %.
 constexpr double kDraftRim = 0.2, kDefaultRim = 0.05, kBestRim = 0.03, kCoarserRim = 1.7;
 /// What is left of the difference from the coarser level, see volumeErrorLeft(): with edges of one size, measured on six bodies with handles; and with small edges at rims alone, a little
-/// more than the mean of thirteen bodies at three Poisson ratios: 0.6 to 1.2 by default, 0.5 to 1.8 in drafts (tests/elasticity/reference_test.cpp).
+/// more than the mean of thirteen bodies at three Poisson ratios: 0.6 to 1.2 by default (tests/elasticity/reference_test.cpp).
 /// Drafts, whose tetrahedra grow faster than those of their coarser level, leave more.
 constexpr double kVolumeErrorLeft = 0.65, kRimErrorLeft = 1.3, kDraftErrorLeft = 1.45;
 /// With edges of one size a decimated body of fewer vertices loses shape on both levels alike, which their difference does not see: by this power.

@@ -5,8 +5,8 @@
 
 namespace imomushi {
 
-/// Sets Skeleton::Bone::upright of all bones so that limbs move before the trunk does: the more of a character hangs on both sides of a bone, the more the bone keeps the direction of rest.
-/// `amount`: 0 (none, as without it) to 1 and more.
+/// Sets Skeleton::Bone::upright of all bones, so that an end that is dragged moves its limb before the trunk leans. It is proportional to the square of the length of bones on the shorter
+/// side of the bone: large in the trunk, small in a hand. `amount`: 0 turns it off; 1 is what make-soft sets; more is stiffer.
 void letBodyFollow(Skeleton& skeleton, double amount);
 
 }  // namespace imomushi

@@ -39,7 +39,7 @@ constexpr double kMiss = 1e-4;         // mean bone lengths: farther from its ta
 // The part of their twist by which roots turn back per solve(), while targets move and at rest.
 constexpr double kRootReturn = 0.1;
 constexpr double kRootReturnAtRest = 0.6;
-// Pins that are no farther apart than this part of a mean bone, or are drawn together to this part of their moment, do not turn what is upright.
+// Pins nearer to each other than this part of a mean bone say no direction; nor do those that agree with no turn of their places at rest by more than this part (1: all do).
 constexpr double kStands = 0.1;
 // Targets farther away than this many sizes of the skeleton are approached as if they were that far: keeps squares finite.
 constexpr double kFarthest = 1e6;
@@ -235,7 +235,7 @@ struct InverseKinematics::State {
         return report;
     }
 
-    // Bones that keep the direction of rest, turned about +Y as the pins of their character are together: who walks on turns.
+    // Upright bones keep the direction of rest, turned about +Y as the pins of their character have turned: a figure whose feet are moved round turns with them.
     void addUpright(const std::vector<IkGoal>& goals) {
         if (upright.empty()) return;
         std::fill(stands.begin(), stands.end(), Stand());
@@ -255,7 +255,6 @@ struct InverseKinematics::State {
             stand.spread += a.x() * a.x() + a.z() * a.z();
         });
         for (Stand& stand : stands)
-            // Pins that are drawn to one place say no direction.
             if (std::hypot(stand.cosine, stand.sine) > kStands * stand.spread && stand.spread > kStands * kStands * rods.unit() * rods.unit())
                 stand.turn = Eigen::AngleAxisd(std::atan2(stand.sine, stand.cosine), Vec3::UnitY());
         for (const int b : upright) targets.directions.push_back({b, turnOf(b) * rods.tree().restDirection[b], skeleton().bones[static_cast<std::size_t>(b)].upright});
@@ -272,9 +271,9 @@ struct InverseKinematics::State {
         for (std::size_t b = 0; b < frames.size(); ++b) {
             if (rods.tree().parent[b] >= 0) continue;
             const Vec3 d = frames[b] * rods.tree().restDirection[b];
-            const Quaterniond& stands = turnOf(static_cast<int>(b));  // identity but for bones that are upright
-            const Vec3 rest = stands * rods.tree().restDirection[b];
-            const Quaterniond spin = minimalRotation(rest, d) * stands * frames[b].conjugate();
+            const Quaterniond& turned = turnOf(static_cast<int>(b));  // identity where no bone is upright
+            const Vec3 rest = turned * rods.tree().restDirection[b];
+            const Quaterniond spin = minimalRotation(rest, d) * turned * frames[b].conjugate();
             double angle = 2.0 * std::atan2(spin.vec().dot(d), spin.w());
             angle -= 2.0 * M_PI * std::round(angle / (2.0 * M_PI));
             const double open = 0.5 * (1.0 + rest.dot(d));

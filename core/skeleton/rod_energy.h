@@ -19,9 +19,9 @@ struct IkTargets {
     struct Direction {
         int bone = -1;
         Vec3 direction = Vec3::UnitX();  ///< unit, start -> end
-        double stiffness = 0.0;          ///< m: torque per discrete curvature
+        double stiffness = 0.0;          ///< m: torque over the unit of force, per discrete curvature
     };
-    std::vector<Direction> directions;  ///< bones that are held as they point, or drawn there
+    std::vector<Direction> directions;  ///< bones whose direction is held, and upright ones
 };
 
 /// The elastic energy of bones as discrete elastic rods (Bergou et al., Discrete elastic rods, SIGGRAPH 2008), with springs that pull held points to their

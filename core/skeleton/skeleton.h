@@ -21,7 +21,7 @@ struct Skeleton {
         double maxBend = kFreeBend;    ///< rad, largest angle to where its parent carries it at rest; of no effect without a parent
         double maxTwist = kFreeTwist;  ///< rad, largest difference of roll between its ends
         double stiffness = 1.0;        ///< of its stretch and of the bend to its parent, relative to others, > 0
-        double upright = 0.0;          ///< m: of a torque that turns it back to its direction of rest, see letBodyFollow(); 0: none
+        double upright = 0.0;          ///< m: how stiffly it keeps its direction of rest, a torque over the unit of force (RodEnergy) per discrete curvature; 0: not at all
         static constexpr double kFreeBend = 3.14159265358979323846, kFreeTwist = 20.0 * kFreeBend;  ///< no limit
         [[nodiscard]] bool limitsBend() const { return maxBend < kFreeBend; }
         [[nodiscard]] bool limitsTwist() const { return maxTwist < kFreeTwist; }
@@ -36,7 +36,7 @@ struct IkGoal {
     Vec3 target = Vec3::Zero();
     bool hasRoll = false;
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
-    bool pinned = false;  ///< where the character stands, not where it is drawn to
+    bool pinned = false;  ///< a pin, where the character stands; otherwise a drag
     int heldBone = -1;  ///< a bone at the point that keeps a direction, too: that of rest turned by `turn`; -1: none
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< unit
     bool operator==(const IkGoal& o) const {

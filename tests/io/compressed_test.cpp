@@ -11,7 +11,6 @@
 #include <functional>
 #include <random>
 
-#include "core/io/character_file.h"
 #include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/shapes.h"
@@ -22,14 +21,6 @@ using namespace io_test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kCharacters = fs::path(IMOMUSHI_TEST_DATA) / "characters";
-
-Result<CharacterFile> twinAt(const fs::path& path) {
-    ImportRequest request;
-    request.path = path;
-    return importCharacter(request, {});
-}
 
 /// The largest distance from a vertex of one to the nearest of the other.
 double farthest(const Points& from, const Points& to) {
@@ -155,7 +146,7 @@ std::string meshoptBall(const TriangleMesh& ball, const std::string& extension, 
 TEST_CASE("compressed twins: Draco, meshopt and quantised files give joints, parts, clips and, to the quantisation, vertices of the plain file") {
     for (const auto& [twin, plain] : {std::pair{"mannequin_draco.glb", "mannequin.glb"}, {"mannequin_meshopt.glb", "mannequin.glb"}, {"panda_quantized.glb", "panda.glb"}}) {
         CAPTURE(twin);
-        const auto a = twinAt(kCharacters / twin), b = twinAt(kCharacters / plain);
+        const auto a = characterAt(kCharacters / twin), b = characterAt(kCharacters / plain);
         CAPTURE((a ? "" : a.error().message));
         REQUIRE(a);
         REQUIRE(b);
@@ -218,7 +209,7 @@ TEST_CASE("compressed files with flipped bytes give a reason or a character") {
         for (int i = 0; i < repeats(30, 1000); ++i) {
             std::string bad = good;
             for (unsigned flips = 1 + random() % 4; flips-- > 0;) bad[20 + random() % (bad.size() - 20)] ^= static_cast<char>(1 + random() % 255);
-            const auto file = twinAt(folder.write("bad.glb", bad));
+            const auto file = characterAt(folder.write("bad.glb", bad));
             CAPTURE(i);
             if (file) continue;
             ++refused;

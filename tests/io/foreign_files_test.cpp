@@ -6,7 +6,6 @@
 #include <cstring>
 #include <random>
 
-#include "core/io/character_file.h"
 #include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/thorough.h"
@@ -17,20 +16,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kForeign = fs::path(IMOMUSHI_TEST_DATA) / "characters";
-
-Result<CharacterFile> foreignAt(const fs::path& path) {
-    ImportRequest request;
-    request.path = path;
-    request.bonesSuffice = true;
-    return importCharacter(request, {});
-}
-
 Result<CharacterFile> pointerClip(const std::function<void(nlohmann::json&)>& change) {
-    auto json = nlohmann::json::parse(readFile(kForeign / "pointer_clip.gltf"));
+    auto json = nlohmann::json::parse(readFile(kCharacters / "pointer_clip.gltf"));
     change(json);
     const TestFolder folder;
-    return foreignAt(folder.write("a.gltf", json.dump()));
+    return characterAt(folder.write("a.gltf", json.dump()), true);
 }
 
 bool says(const CharacterFile& file, const char* code) {
@@ -50,7 +40,7 @@ Glb triangleFile() {
 }  // namespace
 
 TEST_CASE("KHR_animation_pointer: weights and rotations of nodes are a clip like any other") {
-    const auto file = foreignAt(kForeign / "pointer_clip.gltf");
+    const auto file = characterAt(kCharacters / "pointer_clip.gltf", true);
     REQUIRE(file);
     REQUIRE(file->rig);
     REQUIRE(file->rig->clips.size() == 1);
@@ -94,7 +84,7 @@ TEST_CASE("KHR_animation_pointer: weights and rotations of nodes are a clip like
 }
 
 TEST_CASE("an empty first take is skipped, one that moves something is not") {
-    const auto file = foreignAt(kForeign / "mannequin.glb");
+    const auto file = characterAt(kCharacters / "mannequin.glb", true);
     REQUIRE(file);
     REQUIRE(file->rig->clips.size() == 1);
     CHECK(file->rig->clips[0].name == "wave");
@@ -149,7 +139,7 @@ TEST_CASE("KTX2 textures are left out and told, whatever asks for them; the mesh
 }
 
 TEST_CASE("files of pointers with flipped bytes give a reason or a character") {
-    const std::string good = readFile(kForeign / "pointer_clip.gltf");
+    const std::string good = readFile(kCharacters / "pointer_clip.gltf");
     const TestFolder folder;
     std::mt19937 random(13);
     const std::size_t clips = good.find("\"animations\"");
@@ -161,7 +151,7 @@ TEST_CASE("files of pointers with flipped bytes give a reason or a character") {
             char& c = i % 2 ? bad[random() % bad.size()] : bad[clips + random() % std::min<std::size_t>(900, bad.size() - clips)];
             c = i % 4 == 0 ? static_cast<char>('0' + random() % 10) : static_cast<char>(c ^ static_cast<char>(1 + random() % 127));
         }
-        const auto file = foreignAt(folder.write("bad.gltf", bad));
+        const auto file = characterAt(folder.write("bad.gltf", bad), true);
         CAPTURE(i);
         if (!file)
             CHECK_MESSAGE(isReason(file.error()), (file.error().code + ": " + file.error().message));

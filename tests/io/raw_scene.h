@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "core/io/build_result.h"
+#include "core/io/character_file.h"
 #include "core/io/file_codec.h"
 #include "tests/io/bytes.h"
 #include "tests/io/files.h"
@@ -17,6 +19,15 @@ inline Result<RawScene> scene(const std::string& name, const std::string& bytes)
     const TestFolder folder;
     return readScene({folder.path() / name, bytes});
 }
+
+/// A character of tests/data/characters, or of any path. `bonesSuffice`: it may have no mesh.
+inline Result<CharacterFile> characterAt(const std::filesystem::path& path, bool bonesSuffice = false) {
+    ImportRequest request;
+    request.path = path;
+    request.bonesSuffice = bonesSuffice;
+    return importCharacter(request, {});
+}
+inline const std::filesystem::path kCharacters = std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters";
 
 inline std::string code(const Result<RawScene>& r) { return r ? "read" : r.error().code; }
 inline std::string said(const Result<RawScene>& r) { return r ? "" : r.error().message; }

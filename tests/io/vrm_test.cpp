@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "core/io/character_file.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/thorough.h"
 
@@ -18,14 +17,6 @@ using namespace io_test;
 namespace fs = std::filesystem;
 
 namespace {
-
-const fs::path kAvatars = fs::path(IMOMUSHI_TEST_DATA) / "characters";
-
-Result<CharacterFile> avatarAt(const fs::path& path) {
-    ImportRequest request;
-    request.path = path;
-    return importCharacter(request, {});
-}
 
 /// The same file with what `change` does to its JSON.
 std::string vrmWith(const fs::path& path, const std::function<void(nlohmann::json&)>& change) {
@@ -49,7 +40,7 @@ std::string vrmWith(const fs::path& path, const std::function<void(nlohmann::jso
 
 TEST_CASE("VRM: both versions give one figure: humanoid bones, expressions, springs, and a front along +Z") {
     const TestFolder folder;
-    const auto one = avatarAt(folder.write("avatar.vrm", readFile(kAvatars / "avatar.glb"))), zero = avatarAt(kAvatars / "avatar_vrm0.vrm");
+    const auto one = characterAt(folder.write("avatar.vrm", readFile(kCharacters / "avatar.glb"))), zero = characterAt(kCharacters / "avatar_vrm0.vrm");
     CAPTURE((one ? "" : one.error().message));
     CAPTURE((zero ? "" : zero.error().message));
     REQUIRE(one);
@@ -109,12 +100,12 @@ TEST_CASE("VRM: both versions give one figure: humanoid bones, expressions, spri
     CHECK(b["meta"]["thirdPartyLicenses"] == "VRM 0.x licence: CC0");
     CHECK(b["meta"]["allowExcessivelySexualUsage"] == false);
     // As an element it faces +Z as well.
-    const auto element = io_test::import(kAvatars / "avatar_vrm0.vrm");
+    const auto element = io_test::import(kCharacters / "avatar_vrm0.vrm");
     REQUIRE(element);
 }
 
 TEST_CASE("VRM 0.x: a toon shader without a material beside it gives colour and picture") {
-    const auto file = scene("a.vrm", vrmWith(kAvatars / "avatar_vrm0.vrm", [](auto& j) {
+    const auto file = scene("a.vrm", vrmWith(kCharacters / "avatar_vrm0.vrm", [](auto& j) {
         for (auto& m : j["materials"]) m.erase("pbrMetallicRoughness");
         j["extensions"]["VRM"]["materialProperties"][1]["vectorProperties"]["_Color"] = {0.5, 0, 0, 1};
     }));
@@ -127,7 +118,7 @@ TEST_CASE("VRM 0.x: a toon shader without a material beside it gives colour and 
 TEST_CASE("VRM: what it says wrongly is left out and told; the figure comes all the same") {
     const auto told = [&](const std::function<void(nlohmann::json&)>& change, const char* issue) {
         const TestFolder folder;
-        const auto file = avatarAt(folder.write("a.vrm", vrmWith(kAvatars / "avatar.glb", change)));
+        const auto file = characterAt(folder.write("a.vrm", vrmWith(kCharacters / "avatar.glb", change)));
         CAPTURE((file ? "" : file.error().message));
         REQUIRE(file);
         REQUIRE(file->rig);
@@ -147,7 +138,7 @@ TEST_CASE("VRM: what it says wrongly is left out and told; the figure comes all 
 
 TEST_CASE("VRM files with flipped bytes give a reason or a character") {
     for (const char* name : {"avatar.glb", "avatar_vrm0.vrm"}) {
-        const std::string good = readFile(kAvatars / name);
+        const std::string good = readFile(kCharacters / name);
         const TestFolder folder;
         std::mt19937 random(11);
         for (int i = 0; i < repeats(30, 1000); ++i) {
@@ -160,7 +151,7 @@ TEST_CASE("VRM files with flipped bytes give a reason or a character") {
                 char& c = bad[20 + random() % (end - 20)];
                 c = i % 4 == 0 ? static_cast<char>('0' + random() % 10) : static_cast<char>(c ^ static_cast<char>(1 + random() % 255));
             }
-            const auto file = avatarAt(folder.write("bad.vrm", bad));
+            const auto file = characterAt(folder.write("bad.vrm", bad));
             CAPTURE(i);
             if (!file)
                 CHECK_MESSAGE(isReason(file.error()), (file.error().code + ": " + file.error().message));

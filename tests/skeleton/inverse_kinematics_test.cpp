@@ -7,7 +7,6 @@
 #include <random>
 
 #include "core/skeleton/axial_squash.h"
-#include "core/skeleton/body_follows.h"
 #include "core/skeleton/bone_tree.h"
 #include "core/skeleton/inverse_kinematics.h"
 #include "tests/support/allocations.h"
@@ -576,101 +575,4 @@ TEST_CASE("inverse kinematics: a bone that points away from the direction that i
         CHECK((pose.points[1] - pose.points[0]).normalized().dot(turn * Vec3::UnitX()) > std::cos(M_PI / 180.0));
         CHECK(report.largestMiss < 1e-5);
     }
-}
-
-namespace {
-
-/// A figure that stands on two legs: spine, and arms and legs of two bones. Legs are bent a little, as one stands.
-Skeleton standing() {
-    Skeleton s;
-    s.points = {{0, 1, 0}, {0, 1.5, 0}, {0, 1.8, 0}, {.3, 1.45, 0}, {.6, 1.4, 0}, {-.3, 1.45, 0}, {-.6, 1.4, 0}, {.15, .5, .05}, {.15, 0, 0}, {-.15, .5, .05}, {-.15, 0, 0}};
-    const auto add = [&](int start, int end, int parent) {
-        Skeleton::Bone bone;
-        bone.start = start, bone.end = end, bone.parent = parent;
-        bone.length = (s.points[static_cast<std::size_t>(end)] - s.points[static_cast<std::size_t>(start)]).norm();
-        s.bones.push_back(bone);
-    };
-    add(0, 1, -1), add(1, 2, 0), add(1, 3, 0), add(3, 4, 2), add(1, 5, 0), add(5, 6, 4), add(0, 7, 0), add(7, 8, 6), add(0, 9, 0), add(9, 10, 8);
-    return s;
-}
-
-double turnOf(const Skeleton& s, const Pose& pose, std::size_t bone) {
-    const auto& b = s.bones[bone];
-    const auto along = [&](const std::vector<Vec3>& p) { return Vec3(p[static_cast<std::size_t>(b.end)] - p[static_cast<std::size_t>(b.start)]); };
-    const Vec3 a = along(s.points), now = along(pose.points);
-    return std::atan2(a.cross(now).norm(), a.dot(now)) * 180.0 / M_PI;
-}
-
-const std::vector<IkGoal> kFeet = {{8, {.15, 0, 0}, false, 0.0, true}, {10, {-.15, 0, 0}, false, 0.0, true}};
-
-}  // namespace
-
-TEST_CASE("body follows: the arm moves, the trunk hardly leans, and without it the trunk leans") {
-    for (const Vec3 by : {Vec3(0, .3, 0), Vec3(0, 0, .4), Vec3(-.3, .1, 0), Vec3(.2, -.3, .2)}) {
-        double lean[2] = {};
-        for (const bool on : {false, true}) {
-            Skeleton s = standing();
-            letBodyFollow(s, on ? 1.0 : 0.0);
-            InverseKinematics ik(s);
-            Pose pose = restPose(s);
-            InverseKinematics::Report report;
-            std::vector<IkGoal> goals = kFeet;
-            goals.push_back({4, s.points[4] + by});
-            CHECK(settle(ik, goals, pose, report, 1000) < 1000);
-            CHECK(report.largestMiss < 1e-4);
-            lean[on ? 1 : 0] = turnOf(s, pose, 0);
-            if (on) CHECK(std::max(turnOf(s, pose, 2), turnOf(s, pose, 3)) > lean[1]);
-        }
-        MESSAGE("the trunk leans by " << lean[0] << " degrees, with it by " << lean[1]);
-        CHECK(lean[1] < 8.0);
-        CHECK(lean[1] < 0.6 * lean[0] + 1e-3);
-    }
-}
-
-TEST_CASE("body follows: the pose at rest keeps no path, and is that of rest when all is let go") {
-    Skeleton s = standing();
-    letBodyFollow(s, 1.0);
-    const auto goalsAt = [&](const Vec3& to) {
-        std::vector<IkGoal> goals = kFeet;
-        goals.push_back({4, to});
-        return goals;
-    };
-    const Vec3 to(.5, 1.7, .3);
-    Pose straight = restPose(s), around = straight;
-    InverseKinematics one(s), two(s);
-    InverseKinematics::Report report;
-    settle(one, goalsAt(to), straight, report, 1000);
-    for (const Vec3& by : {Vec3(.7, 1.2, -.2), Vec3(.3, 1.9, .2), Vec3(.6, 1.3, .5), to}) settle(two, goalsAt(by), around, report, 1000);
-    for (std::size_t i = 0; i < s.points.size(); ++i) CHECK((straight.points[i] - around.points[i]).norm() < 2e-3);
-    settle(two, goalsAt(s.points[4]), around, report, 1000);
-    for (std::size_t i = 0; i < s.points.size(); ++i) CHECK((around.points[i] - s.points[i]).norm() < 2e-3);
-}
-
-TEST_CASE("body follows: who is turned by the feet turns as a whole") {
-    Skeleton s = standing();
-    letBodyFollow(s, 1.0);
-    InverseKinematics ik(s);
-    Pose pose = restPose(s);
-    InverseKinematics::Report report;
-    for (int degrees = 0; degrees <= 120; degrees += 10) {
-        const Eigen::AngleAxisd turn(degrees * M_PI / 180.0, Vec3::UnitY());
-        std::vector<IkGoal> goals = kFeet;
-        for (IkGoal& goal : goals) goal.target = turn * goal.target + Vec3(0, 0, .01 * degrees);
-        settle(ik, goals, pose, report, 1000);
-        CHECK(turnOf(s, pose, 0) < 1.0);
-        // The knees are where those of a turned figure are.
-        const Vec3 knee = turn * s.points[7] + Vec3(0, 0, .01 * degrees);
-        CHECK((pose.points[7] - knee).norm() < 0.03);
-    }
-}
-
-TEST_CASE("body follows: of nothing it changes no bit") {
-    Skeleton s = standing(), off = s;
-    letBodyFollow(off, 0.0);
-    InverseKinematics a(s), b(off);
-    Pose one = restPose(s), two = one;
-    std::vector<IkGoal> goals = kFeet;
-    goals.push_back({4, {.2, 1.9, .3}});
-    for (int i = 0; i < 20; ++i) a.solve(goals, one), b.solve(goals, two);
-    CHECK(one.points == two.points);
 }
