@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/io/gltf_compression.h"
 
+#include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
 #include <meshoptimizer.h>
 
@@ -31,25 +32,36 @@ std::optional<DracoMesh> decodeDraco(std::string_view bytes) {
     const auto kind = draco::Decoder::GetEncodedGeometryType(&buffer);
     if (!kind.ok() || kind.value() != draco::TRIANGULAR_MESH) return std::nullopt;
     draco::Decoder decoder;
+    decoder.SetSkipAttributeTransform(draco::GeometryAttribute::POSITION);  // undone here, where the grid is known
     const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
     if (!decoded.ok()) return std::nullopt;
     const draco::Mesh& mesh = *decoded.value();
     DracoMesh result;
     result.vertices = mesh.num_points();
     for (int a = 0; a < mesh.num_attributes(); ++a) {
-        const draco::PointAttribute& from = *mesh.attribute(a);
+        const draco::PointAttribute& stored = *mesh.attribute(a);
         DracoMesh::Attribute to;
+        draco::AttributeQuantizationTransform grid;
+        draco::PointAttribute plain;
+        const bool rounded = grid.InitFromAttribute(stored);
+        if (rounded) {
+            if (grid.quantization_bits() < 1 || grid.quantization_bits() > 30) return std::nullopt;
+            plain.Init(stored.attribute_type(), static_cast<std::int8_t>(stored.num_components()), draco::DT_FLOAT32, false, stored.size());
+            if (!grid.InverseTransformAttribute(stored, &plain)) return std::nullopt;
+            to.step = static_cast<double>(grid.range()) / static_cast<double>((std::uint64_t{1} << static_cast<unsigned>(grid.quantization_bits())) - 1);
+        }
+        const draco::PointAttribute& from = rounded ? plain : stored;
         to.type = typeOf(from.data_type());
         to.width = from.num_components();
         const auto size = static_cast<std::size_t>(draco::DataTypeLength(from.data_type())) * to.width;
         if (to.type == 0 || from.byte_stride() < static_cast<std::int64_t>(size)) continue;
         to.bytes.resize(size * result.vertices);
         for (std::size_t v = 0; v < result.vertices; ++v) {
-            const draco::AttributeValueIndex at = from.mapped_index(draco::PointIndex(static_cast<std::uint32_t>(v)));
+            const draco::AttributeValueIndex at = stored.mapped_index(draco::PointIndex(static_cast<std::uint32_t>(v)));
             if (at.value() >= from.size()) return std::nullopt;
             from.buffer()->Read(from.GetBytePos(at), to.bytes.data() + v * size, size);
         }
-        result.attributes.emplace(from.unique_id(), std::move(to));
+        result.attributes.emplace(stored.unique_id(), std::move(to));
     }
     result.corners.reserve(3 * static_cast<std::size_t>(mesh.num_faces()));
     for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)

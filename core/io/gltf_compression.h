@@ -18,6 +18,7 @@ struct DracoMesh {
         std::size_t width = 0;      ///< numbers of a vertex
         std::uint64_t type = 5126;  ///< component type as glTF counts them
         std::string bytes;          ///< #vertices x width components, packed
+        double step = 0.0;          ///< of the grid to which positions were rounded, 0: they were not
     };
     std::size_t vertices = 0;
     std::map<std::uint64_t, Attribute> attributes;  ///< by the identifiers that the extension uses

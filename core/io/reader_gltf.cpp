@@ -14,6 +14,7 @@
 #include "core/io/morph_builder.h"
 #include "core/io/reader_support.h"
 #include "core/io/rig_builder.h"
+#include "core/io/vertex_grids.h"
 #include "core/io/vrm_reader.h"
 
 namespace imomushi {
@@ -231,7 +232,7 @@ private:
         const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
         scene_.partNames.push_back(name);
         partOf_[n] = name;
-        if (rigNode_[n] >= 0 && !bones) rig_.setPart(rigNode_[n]);
+        if (rigNode_[n] >= 0 && !bones) rig_.setPart(rigNode_[n], text(member(from, "name")).empty());
         const Json& targetNames = array(member(member(mesh, "extras"), "targetNames"));
         for (const Json& primitive : array(member(mesh, "primitives"))) this->primitive(primitive, name, n, bones, weights, targetNames);
     }
@@ -253,13 +254,15 @@ private:
             return;
         }
         const DracoMesh* draco = dracoOf(from, name);
+        const auto compressed = [&](const std::string& key) -> const DracoMesh::Attribute* {
+            if (!draco) return nullptr;
+            const Json& id = member(member(member(member(from, "extensions"), kDraco), "attributes"), key.c_str());
+            const auto found = id.is_null() ? draco->attributes.end() : draco->attributes.find(number(id, "attribute"));
+            return found == draco->attributes.end() ? nullptr : &found->second;
+        };
         const auto numbersOf = [&](const std::string& key, const char* what) {
-            if (draco) {
-                const Json& id = member(member(member(member(from, "extensions"), kDraco), "attributes"), key.c_str());
-                const auto found = id.is_null() ? draco->attributes.end() : draco->attributes.find(number(id, "attribute"));
-                if (found != draco->attributes.end()) return accessor(member(attributes, key.c_str()), found->second.bytes, found->second.width, found->second.type, what);
-                if (!hasNumbers(member(attributes, key.c_str()))) refuse("has data of '" + name + "' compressed by Draco without the " + what + " that they should have: export it again.");
-            }
+            if (const auto *in = compressed(key)) return accessor(member(attributes, key.c_str()), in->bytes, in->width, in->type, what);
+            if (draco && !hasNumbers(member(attributes, key.c_str()))) refuse("has data of '" + name + "' compressed by Draco without the " + what + " that they should have: export it again.");
             return accessor(member(attributes, key.c_str()), what);
         };
         Values positions = numbersOf("POSITION", "positions");
@@ -308,6 +311,7 @@ private:
 
         const auto first = static_cast<std::int32_t>(points_.size() / 3);
         if (points_.size() / 3 + n > kMaxVertices) refuseAsTooLarge();
+        addGrid(n, member(attributes, "POSITION"), positions, compressed("POSITION"), bones ? bones->joints[0] : global_[at]);
         double reach = 0.0;  // of the coordinates
         for (const double x : positions.at)
             if (isFinite(x)) reach = std::max(reach, std::abs(x));
@@ -408,6 +412,29 @@ private:
         return &*draco_;
     }
 
+    /// The next n vertices are on the grid to which their places were rounded. `toScene`: what the places are transformed by.
+    void addGrid(std::size_t n, const Json& reference, const Values& positions, const DracoMesh::Attribute* inDraco, const Matrix& toScene) {
+        const Json& accessors = list("accessors");
+        const Json& from = accessors[index(reference, accessors.size(), "accessor")];
+        const std::uint64_t type = number(member(from, "componentType"), "component type");
+        const Json& normalized = member(from, "normalized");
+        const double scale = toScene.topLeftCorner<3, 3>().colwise().norm().maxCoeff();
+        VertexGrid grid{points_.size() / 3, n, 0.0};
+        if (inDraco && inDraco->step > 0.0)
+            grid.step = inDraco->step * scale;
+        else if (type != 5126 && !(normalized.is_boolean() && normalized.get<bool>()))
+            grid.step = scale;
+        else if (type >= 5120 && type <= 5123) {
+            static constexpr std::uint32_t kLargest[] = {127, 255, 32767, 65535};
+            auto [bits, isNew] = storedBits_.try_emplace(type, kLargest[type - 5120]);
+            for (const double x : positions.at) bits->second.see(x);
+            grid.step = scale;
+            if (isFinite(scale)) storedIn_.emplace_back(grids_.size(), type);
+        }
+        if (!isFinite(grid.step)) grid.step = 0.0;
+        grids_.push_back(grid);
+    }
+
     /// A target without a name is one of its node.
     int unnamedTarget(std::size_t node, std::size_t target, const std::string& name, double atRest) {
         const auto [known, isNew] = unnamed_.try_emplace({node, target}, -1);
@@ -430,6 +457,8 @@ private:
     }
 
     RawScene finish() {
+        for (const auto& [grid, type] : storedIn_) grids_[grid].step *= storedBits_.at(type).step();
+        joinGrids(points_, std::move(grids_));
         if (ktx_ > 0) tell(scene_, Severity::Warning, "ktx2", "Textures in KTX2 (KHR_texture_basisu) are not read and were left out: export them as PNG or JPEG.", ktx_, false);
         if (splats_ > 0 && triangles_.empty())
             throw Refused{{"splats", file().quoted() + " holds gaussian splats, a cloud without a surface: make a mesh of it in the program that it came from, and import that."}};
@@ -492,6 +521,9 @@ private:
     std::vector<std::size_t> placed_;   // the nodes of the scene, depth first
     RigBuilder rig_;
     MorphBuilder morphs_;
+    std::vector<VertexGrid> grids_;     // of the primitives
+    std::map<std::uint64_t, StoredBits> storedBits_;                  // by component type
+    std::vector<std::pair<std::size_t, std::uint64_t>> storedIn_;     // grids of normalised numbers, and their component type
     std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
     std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted

@@ -57,6 +57,18 @@ void RigBuilder::bind(std::int32_t vertex, int node, double weight) {
     if (isFinite(weight) && weight > 0.0) bindings_.push_back({vertex, node, weight});
 }
 
+void RigBuilder::placeLentParts() {
+    std::vector<char> carries(nodes_.size(), 0);
+    for (const Node& node : nodes_)
+        if (node.parent >= 0) carries[static_cast<std::size_t>(node.parent)] = 1;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        Node& node = nodes_[i];
+        if (!node.lent) continue;
+        const bool parents = node.parent >= 0 && !node.joint && !node.moved && !carries[i];
+        (parents ? nodes_[static_cast<std::size_t>(node.parent)] : node).part = true;
+    }
+}
+
 std::vector<char> RigBuilder::chosenBones() const {
     const std::size_t n = nodes_.size();
     std::vector<char> bones(n, 0), partBelow(n, 0), jointBelow(n, 0), partAbove(n, 0), partUnder(n, 0);
@@ -203,6 +215,7 @@ bool RigBuilder::staysAtRest(const RigClip& clip) const {
 std::optional<Rig> RigBuilder::finish(RawScene& scene) {
     for (const RigClip& clip : clips_)
         for (const RigTrack& track : clip.tracks) nodes_[static_cast<std::size_t>(track.node)].moved = true;
+    placeLentParts();
     const std::vector<char> chosen = chosenBones();
     const auto bones = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
     if (bones == 0 && std::all_of(clips_.begin(), clips_.end(), [](const RigClip& clip) { return clip.morphs.empty(); })) return std::nullopt;

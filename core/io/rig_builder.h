@@ -20,8 +20,9 @@ public:
     int addNode(std::string name, int parent, const RigNode& local, const Eigen::Matrix4d& rest);
     /// The joint of a skin; where the skin says where it is at rest, that replaces what the node says.
     void setJoint(int node, const std::optional<Eigen::Matrix4d>& rest = {});
-    /// A mesh hangs on the node.
-    void setPart(int node) { nodes_[static_cast<std::size_t>(node)].part = true; }
+    /// A mesh hangs on the node. `unnamed`: the file gives the node no name. Where nothing hangs on such a node and nothing moves it, its mesh is its parent's: that is how programs
+    /// that compress files say where a quantised mesh is.
+    void setPart(int node, bool unnamed = false) { (unnamed ? nodes_[static_cast<std::size_t>(node)].lent : nodes_[static_cast<std::size_t>(node)].part) = true; }
     /// A vertex of the scene follows a node, or the nearest bone above it. Weights of one vertex need not sum to 1; those of one node add up.
     void bind(std::int32_t vertex, int node, double weight);
     /// The nodes of its tracks are those of addNode(). Times and values are checked by checkRig().
@@ -39,7 +40,7 @@ private:
         int parent = -1;
         RigNode local;
         Eigen::Matrix4d rest;
-        bool joint = false, part = false, moved = false, isBone = false;  // moved: by a clip
+        bool joint = false, part = false, lent = false, moved = false, isBone = false;  // lent: its part is its parent's or its own; moved: by a clip
         int bone = -1, kept = -1;                         // in the rig
     };
     struct Binding {
@@ -47,6 +48,7 @@ private:
         std::int32_t node;
         double weight;
     };
+    void placeLentParts();
     [[nodiscard]] std::vector<char> chosenBones() const;
     void keep(const std::vector<char>& chosen, Rig& rig);
     void weigh(std::size_t vertices, Rig& rig) const;

@@ -13,6 +13,7 @@
 
 #include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
+#include "tests/support/farthest.h"
 #include "tests/support/shapes.h"
 #include "tests/support/thorough.h"
 
@@ -21,60 +22,6 @@ using namespace io_test;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The largest distance from a vertex of one to the nearest of the other.
-double farthest(const Points& from, const Points& to) {
-    std::vector<std::int32_t> order(static_cast<std::size_t>(to.rows()));
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
-    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return to(a, 1) < to(b, 1); });
-    double largest = 0.0;
-    for (Eigen::Index v = 0; v < from.rows(); ++v) {
-        double nearest = 1e9;
-        const auto middle = std::lower_bound(order.begin(), order.end(), from(v, 1), [&](std::int32_t a, double y) { return to(a, 1) < y; });
-        for (auto up = middle; up != order.end() && to(*up, 1) - from(v, 1) < nearest; ++up) nearest = std::min(nearest, (to.row(*up) - from.row(v)).norm());
-        for (auto down = middle; down != order.begin() && from(v, 1) - to(*std::prev(down), 1) < nearest; --down) nearest = std::min(nearest, (to.row(*std::prev(down)) - from.row(v)).norm());
-        largest = std::max(largest, nearest);
-    }
-    return largest;
-}
-
-/// A step of 14 bits of the extent. Rounded to one of the two nearest steps along each axis, a vertex moves by no more than sqrt(3) of it.
-double quantum(const Points& v) { return (v.colwise().maxCoeff() - v.colwise().minCoeff()).maxCoeff() / 16383.0; }
-
-void isTwin(const CharacterFile& twin, const CharacterFile& plain) {
-    const RenderModel &a = twin.renderModel, &b = plain.renderModel;
-    CHECK(a.parts == b.parts);
-    CHECK(a.mesh.body.vertices.rows() == b.mesh.body.vertices.rows());
-    CHECK(a.mesh.body.triangles.rows() == b.mesh.body.triangles.rows());
-    const double within = std::sqrt(3.0) * quantum(b.mesh.body.vertices) + 1e-6;
-    CHECK(farthest(a.mesh.body.vertices, b.mesh.body.vertices) <= within);
-    CHECK(farthest(b.mesh.body.vertices, a.mesh.body.vertices) <= within);
-    CHECK(a.mesh.renderMesh.textures.size() == b.mesh.renderMesh.textures.size());
-    REQUIRE(twin.rig);
-    REQUIRE(plain.rig);
-    REQUIRE(twin.rig->bones.size() == plain.rig->bones.size());
-    for (std::size_t i = 0; i < plain.rig->bones.size(); ++i) {
-        const RigBone &x = twin.rig->bones[i], &y = plain.rig->bones[i];
-        CHECK(x.name == y.name);
-        CHECK(x.parent == y.parent);
-        CHECK((x.head - y.head).norm() < 1e-6);
-    }
-    REQUIRE(twin.rig->clips.size() == plain.rig->clips.size());
-    for (std::size_t i = 0; i < plain.rig->clips.size(); ++i) {
-        CHECK(twin.rig->clips[i].name == plain.rig->clips[i].name);
-        CHECK(twin.rig->clips[i].seconds == doctest::Approx(plain.rig->clips[i].seconds));
-        // Rotations of clips are quantised to 16 bits of a component.
-        for (const double part : {0.0, 0.3, 0.8}) {
-            const auto p = posedRig(*twin.rig, twin.rig->clips[i], part * plain.rig->clips[i].seconds), q = posedRig(*plain.rig, plain.rig->clips[i], part * plain.rig->clips[i].seconds);
-            for (std::size_t k = 0; k < p.size(); ++k) CHECK((p[k].head - q[k].head).norm() < 1e-3);
-        }
-    }
-    // Each bone weighs as much of the figure as in the plain file: weights are quantised to 8 bits.
-    std::vector<double> moves(plain.rig->bones.size(), 0.0);
-    for (std::size_t i = 0; i < twin.rig->weights.bone.size(); ++i) moves[static_cast<std::size_t>(twin.rig->weights.bone[i])] += static_cast<double>(twin.rig->weights.weight[i]);
-    for (std::size_t i = 0; i < plain.rig->weights.bone.size(); ++i) moves[static_cast<std::size_t>(plain.rig->weights.bone[i])] -= static_cast<double>(plain.rig->weights.weight[i]);
-    for (const double more : moves) CHECK(std::abs(more) <= 0.004 * static_cast<double>(b.mesh.body.vertices.rows()));
-}
 
 std::string dracoOf(const TriangleMesh& mesh) {
     draco::TriangleSoupMeshBuilder builder;
@@ -142,17 +89,6 @@ std::string meshoptBall(const TriangleMesh& ball, const std::string& extension, 
 }
 
 }  // namespace
-
-TEST_CASE("compressed twins: Draco, meshopt and quantised files give joints, parts, clips and, to the quantisation, vertices of the plain file") {
-    for (const auto& [twin, plain] : {std::pair{"mannequin_draco.glb", "mannequin.glb"}, {"mannequin_meshopt.glb", "mannequin.glb"}, {"panda_quantized.glb", "panda.glb"}}) {
-        CAPTURE(twin);
-        const auto a = characterAt(kCharacters / twin), b = characterAt(kCharacters / plain);
-        CAPTURE((a ? "" : a.error().message));
-        REQUIRE(a);
-        REQUIRE(b);
-        isTwin(*a, *b);
-    }
-}
 
 TEST_CASE("Draco: data that come alone are decompressed; where plain data are there too, these count") {
     const TriangleMesh ball = shapes::sphere(1.0, 2).mesh;
