@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Handles of constant size. Shapes tell them apart, colour only helps; a dark rim keeps them readable on every background.
+// Handles of constant size. Shapes tell them apart, colour only helps; a rim, dark around light ones and light around dark ones, keeps them readable on every background.
 #version 330 core
 #include "frame.glsl"
 #include "fade.glsl"
@@ -28,5 +28,6 @@ void main() {
         rim = inside(d - 1.4 * unit);
     }
     float alpha = max(shape, rim * 0.55) * pointColor.a * fadeBehind(depth, pointShape.z);
-    outColor = vec4(mix(vec3(0.01, 0.012, 0.016), pointColor.rgb, shape), 1.0) * alpha;
+    vec3 rimColor = dot(pointColor.rgb, vec3(0.2126, 0.7152, 0.0722)) > 0.15 ? vec3(0.01, 0.012, 0.016) : vec3(0.9);
+    outColor = vec4(mix(rimColor, pointColor.rgb, shape), 1.0) * alpha;
 }

@@ -14,8 +14,8 @@ set_source_files_properties(${PROJECT_SOURCE_DIR}/ui/models/effect_texts.cpp PRO
 target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 imomushi_library(imomushi_jobs ui/jobs imomushi_models)
 imomushi_library(imomushi_tools ui/tools imomushi_jobs imomushi_scene)
-imomushi_library(imomushi_viewport ui/viewport imomushi_tools Qt6::OpenGLWidgets)
 imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
+imomushi_library(imomushi_viewport ui/viewport imomushi_tools imomushi_widgets Qt6::OpenGLWidgets)
 imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_jobs)
 imomushi_library(imomushi_inspector ui/panels/inspector imomushi_widgets imomushi_tools)
 # One header for all forms: moc finds by itself only those that have a source of the same name.

@@ -172,10 +172,6 @@
             <translation>ハイコントラスト(&amp;C)</translation>
         </message>
         <message>
-            <source>Search &amp;commands…</source>
-            <translation>コマンドを検索(&amp;C)…</translation>
-        </message>
-        <message>
             <source>Ma&amp;nual</source>
             <translation>マニュアル(&amp;N)</translation>
         </message>
@@ -264,10 +260,6 @@
             <translation>すぐに柔らかく(&amp;O)</translation>
         </message>
         <message>
-            <source>Dra&amp;g flesh by passing handles</source>
-            <translation>一時ハンドルで肉をドラッグ(&amp;G)</translation>
-        </message>
-        <message>
             <source>A&amp;dd a project…</source>
             <translation>プロジェクトを追加(&amp;D)…</translation>
         </message>
@@ -314,6 +306,18 @@
         <message>
             <source>Impo&amp;rt clips…</source>
             <translation>クリップを読み込む(&amp;R)…</translation>
+        </message>
+        <message>
+            <source>Dra&amp;g the body anywhere</source>
+            <translation>体のどこでもドラッグ(&amp;G)</translation>
+        </message>
+        <message>
+            <source>Save a p&amp;icture…</source>
+            <translation>画像を保存(&amp;I)…</translation>
+        </message>
+        <message>
+            <source>&amp;Search…</source>
+            <translation>検索(&amp;S)…</translation>
         </message>
     </context>
     <context>
@@ -625,10 +629,6 @@
             <translation>ポーズが有限の値になりませんでした。最後の正しいポーズを保ちます。静止姿勢に戻してください。</translation>
         </message>
         <message>
-            <source>The pose twists a joint face, which the joint modes “Paper” cannot follow: choose “Affine”.</source>
-            <translation>関節面がねじれていますが、関節モード「論文」では表せません。「アフィン」を選んでください。</translation>
-        </message>
-        <message>
             <source>The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.</source>
             <translation>従来モデルが発散しました。関節は止まっています。ステップを小さくするか、体を柔らかくしてください。</translation>
         </message>
@@ -647,6 +647,10 @@
         <message>
             <source>Out of reach: the bones stretch no farther.</source>
             <translation>届きません。ボーンがこれ以上伸びません。</translation>
+        </message>
+        <message>
+            <source>The pose twists a joint face, which the joint shapes “None, without twist” cannot follow: choose “None” or more.</source>
+            <translation>関節面がねじれていますが、関節の形「なし（ねじれなし）」では表せません。「なし」かそれより多くを選んでください。</translation>
         </message>
     </context>
     <context>
@@ -1793,22 +1797,6 @@
             <translation>ドラッグ：ポーズ · P：ピン留め · ダブルクリック：放す</translation>
         </message>
         <message>
-            <source>Passing handle · K: keep it · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel</source>
-            <translation>一時ハンドル · K：残す · X、Y、Z：軸を固定 · R かホイール：回す · Esc：取り消し</translation>
-        </message>
-        <message>
-            <source>This handle is kept · K: let it pass · R or wheel: turn · Esc: cancel</source>
-            <translation>このハンドルは残ります · K：残さない · R かホイール：回す · Esc：取り消し</translation>
-        </message>
-        <message>
-            <source>K: bring the passing handle back and keep it</source>
-            <translation>K：一時ハンドルを戻して残す</translation>
-        </message>
-        <message>
-            <source>Drag: pull the flesh by a passing handle</source>
-            <translation>ドラッグ：一時ハンドルで肉を引っぱる</translation>
-        </message>
-        <message>
             <source>Turns about its pivot · Shift: fine · Wheel: about the line of sight · Esc: cancel</source>
             <translation>支点を中心に回ります · Shift：細かく · ホイール：視線のまわりに · Esc：取り消し</translation>
         </message>
@@ -2007,6 +1995,22 @@
             <source>Click: add a cut · Shift+drag: add a bone · Drag planes and joints · Delete: drop</source>
             <translation>クリック: 切断を追加 · Shift+ドラッグ: ボーンを追加 · 平面と関節点をドラッグ · Delete: 取り除く</translation>
         </message>
+        <message>
+            <source>This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel</source>
+            <translation>このハンドルは残ります · K：一時的にする · R かホイール：回す · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel</source>
+            <translation>一時ハンドル · K：残す · X、Y、Z：軸を固定 · R かホイール：回す · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>K: bring the temporary handle back and keep it</source>
+            <translation>K：一時ハンドルを戻して残す</translation>
+        </message>
+        <message>
+            <source>Drag: pull the body here</source>
+            <translation>ドラッグ：ここで体を引っぱる</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::Autosave</name>
@@ -2026,12 +2030,16 @@
     <context>
         <name>imomushi::CommandSearch</name>
         <message>
-            <source>Search commands</source>
-            <translation>コマンドを検索</translation>
+            <source>Search</source>
+            <translation>検索</translation>
         </message>
         <message>
-            <source>Commands</source>
-            <translation>コマンド</translation>
+            <source>Found</source>
+            <translation>検索結果</translation>
+        </message>
+        <message>
+            <source>Nothing is called “%1”. Commands, panels, effects, settings, samples, and the parts, takes and clips of this project are found by their names.</source>
+            <translation>「%1」は見つかりません。コマンド、パネル、効果、設定、サンプル、このプロジェクトの部品・テイク・クリップを名前で探せます。</translation>
         </message>
     </context>
     <context>
@@ -2127,6 +2135,18 @@
         <message>
             <source>Not now</source>
             <translation>今はしない</translation>
+        </message>
+        <message>
+            <source>Frequencies and times</source>
+            <translation>周波数と時間</translation>
+        </message>
+        <message>
+            <source>shown</source>
+            <translation>表示中</translation>
+        </message>
+        <message>
+            <source>hidden</source>
+            <translation>非表示</translation>
         </message>
     </context>
     <context>
@@ -2754,34 +2774,6 @@
             <translation>キャラクター</translation>
         </message>
         <message>
-            <source>Joint modes</source>
-            <translation>関節モード</translation>
-        </message>
-        <message>
-            <source>Affine (9 per face)</source>
-            <translation>アフィン（面ごとに 9）</translation>
-        </message>
-        <message>
-            <source>Paper (6 per face)</source>
-            <translation>論文（面ごとに 6）</translation>
-        </message>
-        <message>
-            <source>Warping 6 (15 per face)</source>
-            <translation>ゆがみ 6（面ごとに 15）</translation>
-        </message>
-        <message>
-            <source>Warping 12 (21 per face)</source>
-            <translation>ゆがみ 12（面ごとに 21）</translation>
-        </message>
-        <message>
-            <source>Warping 24 (33 per face)</source>
-            <translation>ゆがみ 24（面ごとに 33）</translation>
-        </message>
-        <message>
-            <source>Full (3 per vertex of a face)</source>
-            <translation>すべて（面の頂点ごとに 3）</translation>
-        </message>
-        <message>
             <source>Trunk stays upright</source>
             <translation>胴を起こしておく</translation>
         </message>
@@ -2848,6 +2840,22 @@
         <message>
             <source>%1 of %2, %3</source>
             <translation>%1 / %2、%3</translation>
+        </message>
+        <message>
+            <source>Joint shapes</source>
+            <translation>関節の形</translation>
+        </message>
+        <message>
+            <source>None</source>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>None, without twist</source>
+            <translation>なし（ねじれなし）</translation>
+        </message>
+        <message>
+            <source>All</source>
+            <translation>すべて</translation>
         </message>
     </context>
     <context>
@@ -3434,6 +3442,76 @@
             <source>Show it</source>
             <translation>表示</translation>
         </message>
+        <message>
+            <source>Save a picture</source>
+            <translation>画像を保存</translation>
+        </message>
+        <message>
+            <source>Pictures (*.png)</source>
+            <translation>画像 (*.png)</translation>
+        </message>
+        <message>
+            <source>Wrote “%1”</source>
+            <translation>「%1」を書き出しました</translation>
+        </message>
+        <message>
+            <source>Not now</source>
+            <translation>今はできません</translation>
+        </message>
+        <message>
+            <source>Panel</source>
+            <translation>パネル</translation>
+        </message>
+        <message>
+            <source>Effect</source>
+            <translation>効果</translation>
+        </message>
+        <message>
+            <source>Setting of “%1”</source>
+            <comment>an effect</comment>
+            <translation>「%1」の設定</translation>
+        </message>
+        <message>
+            <source>Setting</source>
+            <translation>設定</translation>
+        </message>
+        <message>
+            <source>Sample</source>
+            <translation>サンプル</translation>
+        </message>
+        <message>
+            <source>Character</source>
+            <translation>キャラクター</translation>
+        </message>
+        <message>
+            <source>Cut</source>
+            <translation>切断</translation>
+        </message>
+        <message>
+            <source>Clip</source>
+            <translation>クリップ</translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>Handle</source>
+            <translation>ハンドル</translation>
+        </message>
+        <message>
+            <source>Joint face of %1</source>
+            <comment>an element</comment>
+            <translation>%1 の関節面</translation>
+        </message>
+        <message>
+            <source>Bone</source>
+            <translation>ボーン</translation>
+        </message>
+        <message>
+            <source>Take</source>
+            <translation>テイク</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -3463,6 +3541,110 @@
         <message>
             <source>Redo: %1</source>
             <translation>やり直す：%1</translation>
+        </message>
+        <message>
+            <source>Select something first.</source>
+            <translation>先に何かを選んでください。</translation>
+        </message>
+        <message>
+            <source>There is no character: import one, or select one of several.</source>
+            <translation>キャラクターがありません。読み込むか、いくつかある場合はひとつを選んでください。</translation>
+        </message>
+        <message>
+            <source>Wait until what runs is done, or cancel it.</source>
+            <translation>実行中の処理が終わるまで待つか、取り消してください。</translation>
+        </message>
+        <message>
+            <source>Versions are kept once the project is saved.</source>
+            <translation>バージョンは、プロジェクトを保存すると残るようになります。</translation>
+        </message>
+        <message>
+            <source>Select one thing that has a name.</source>
+            <translation>名前のあるものをひとつ選んでください。</translation>
+        </message>
+        <message>
+            <source>Select an element, a character or a bone first.</source>
+            <translation>先に要素かキャラクターかボーンを選んでください。</translation>
+        </message>
+        <message>
+            <source>Select one character, or one element of its own.</source>
+            <translation>キャラクターか、単独の要素をひとつ選んでください。</translation>
+        </message>
+        <message>
+            <source>It is soft already: it has cuts, bones or handles.</source>
+            <translation>すでにやわらかくなっています。切断かボーンかハンドルがあります。</translation>
+        </message>
+        <message>
+            <source>Its file has no skeleton. “Import skeleton” brings one.</source>
+            <translation>ファイルに骨格がありません。「骨格を読み込む」で加えられます。</translation>
+        </message>
+        <message>
+            <source>Select an element first.</source>
+            <translation>先に要素を選んでください。</translation>
+        </message>
+        <message>
+            <source>Select the two joint faces that are to be joined: one, and with Shift the other.</source>
+            <translation>つなぐ関節面をふたつ選んでください。ひとつ目を選び、Shift を押しながらもうひとつを選びます。</translation>
+        </message>
+        <message>
+            <source>Select a bone, the end of one, or a handle first.</source>
+            <translation>先にボーンか、その端か、ハンドルを選んでください。</translation>
+        </message>
+        <message>
+            <source>Nothing is held.</source>
+            <translation>保持しているものはありません。</translation>
+        </message>
+        <message>
+            <source>It is at rest.</source>
+            <translation>静止しています。</translation>
+        </message>
+        <message>
+            <source>The project is empty.</source>
+            <translation>プロジェクトは空です。</translation>
+        </message>
+        <message>
+            <source>It is precomputing.</source>
+            <translation>前計算中です。</translation>
+        </message>
+        <message>
+            <source>Everything is precomputed already.</source>
+            <translation>すべて前計算済みです。</translation>
+        </message>
+        <message>
+            <source>There is nothing to precompute: no element has a joint face or a handle.</source>
+            <translation>前計算するものがありません。関節面やハンドルのある要素がありません。</translation>
+        </message>
+        <message>
+            <source>There is nothing to undo.</source>
+            <translation>元に戻す操作がありません。</translation>
+        </message>
+        <message>
+            <source>There is nothing to redo.</source>
+            <translation>やり直す操作がありません。</translation>
+        </message>
+        <message>
+            <source>There is nothing that could be performed: open a sample, or make a character soft.</source>
+            <translation>演じられるものがありません。サンプルを開くか、キャラクターをやわらかくしてください。</translation>
+        </message>
+        <message>
+            <source>The character has no clips that its bones could play.</source>
+            <translation>キャラクターには、ボーンで再生できるクリップがありません。</translation>
+        </message>
+        <message>
+            <source>A take is being recorded.</source>
+            <translation>テイクを記録中です。</translation>
+        </message>
+        <message>
+            <source>There is no take yet: record one.</source>
+            <translation>テイクがまだありません。記録してください。</translation>
+        </message>
+        <message>
+            <source>The whole take is played: set a mark first.</source>
+            <translation>テイク全体が再生されます。先に印を付けてください。</translation>
+        </message>
+        <message>
+            <source>No take is shown.</source>
+            <translation>テイクは表示されていません。</translation>
         </message>
     </context>
     <context>
@@ -3520,32 +3702,8 @@
             <translation>Esc または右ボタン</translation>
         </message>
         <message>
-            <source>Frame all, frame the selection</source>
-            <translation>全体を表示、選択範囲を表示</translation>
-        </message>
-        <message>
             <source>Views along the axes</source>
             <translation>軸方向の視点</translation>
-        </message>
-        <message>
-            <source>Tools</source>
-            <translation>ツール</translation>
-        </message>
-        <message>
-            <source>Precompute</source>
-            <translation>前計算</translation>
-        </message>
-        <message>
-            <source>Propose bones and cuts</source>
-            <translation>ボーンと切断を提案</translation>
-        </message>
-        <message>
-            <source>Record, play</source>
-            <translation>記録、再生</translation>
-        </message>
-        <message>
-            <source>Search commands</source>
-            <translation>コマンドを検索</translation>
         </message>
         <message>
             <source>Mouse and keys</source>
@@ -3554,6 +3712,82 @@
         <message>
             <source>Close</source>
             <translation>閉じる</translation>
+        </message>
+        <message>
+            <source>Let go of what is dragged or pinned</source>
+            <translation>ドラッグやピン留めを放す</translation>
+        </message>
+        <message>
+            <source>Double click with the drag tool</source>
+            <translation>ドラッグツールでダブルクリック</translation>
+        </message>
+        <message>
+            <source>With or without perspective</source>
+            <translation>透視図と平行投影の切り替え</translation>
+        </message>
+        <message>
+            <source>Turn by 15°</source>
+            <translation>15° 回す</translation>
+        </message>
+        <message>
+            <source>4, 6, 8, 2 of the keypad</source>
+            <translation>テンキーの 4、6、8、2</translation>
+        </message>
+        <message>
+            <source>The end of a bone behind the one under the pointer</source>
+            <translation>ポインターの下の、奥にあるボーンの端</translation>
+        </message>
+        <message>
+            <source>Tab, or a second click</source>
+            <translation>Tab、またはもう一度クリック</translation>
+        </message>
+        <message>
+            <source>Pin what is under the pointer, with the drag tool</source>
+            <translation>ポインターの下をピン留め（ドラッグツール）</translation>
+        </message>
+        <message>
+            <source>While dragging: along one axis</source>
+            <translation>ドラッグ中：ひとつの軸に沿う</translation>
+        </message>
+        <message>
+            <source>While dragging: turn</source>
+            <translation>ドラッグ中：回す</translation>
+        </message>
+        <message>
+            <source>R or wheel</source>
+            <translation>R かホイール</translation>
+        </message>
+        <message>
+            <source>While dragging: finer, in steps</source>
+            <translation>ドラッグ中：微調整、刻み</translation>
+        </message>
+        <message>
+            <source>Shift, Ctrl</source>
+            <translation>Shift、Ctrl</translation>
+        </message>
+        <message>
+            <source>While dragging flesh: keep the temporary handle</source>
+            <translation>肉をドラッグ中：一時ハンドルを残す</translation>
+        </message>
+        <message>
+            <source>Cut here, or accept a proposal</source>
+            <translation>ここで切る、提案を受け入れる</translation>
+        </message>
+        <message>
+            <source>Enter</source>
+            <translation>Enter</translation>
+        </message>
+        <message>
+            <source>Mouse</source>
+            <translation>マウス</translation>
+        </message>
+        <message>
+            <source>Keys in the view</source>
+            <translation>ビューのキー</translation>
+        </message>
+        <message>
+            <source>Keys of commands</source>
+            <translation>コマンドのキー</translation>
         </message>
     </context>
     <context>
@@ -3618,10 +3852,6 @@
             <translation>キャラクター(&amp;C)</translation>
         </message>
         <message>
-            <source>&amp;Perform</source>
-            <translation>演技(&amp;P)</translation>
-        </message>
-        <message>
             <source>&amp;View</source>
             <translation>表示(&amp;V)</translation>
         </message>
@@ -3638,10 +3868,6 @@
             <translation>言語(&amp;L)</translation>
         </message>
         <message>
-            <source>&amp;Help</source>
-            <translation>ヘルプ(&amp;H)</translation>
-        </message>
-        <message>
             <source>Menus</source>
             <translation>メニュー</translation>
         </message>
@@ -3652,6 +3878,14 @@
         <message>
             <source>%1 (missing)</source>
             <translation>%1（見つかりません）</translation>
+        </message>
+        <message>
+            <source>Perf&amp;orm</source>
+            <translation>演技(&amp;O)</translation>
+        </message>
+        <message>
+            <source>Hel&amp;p</source>
+            <translation>ヘルプ(&amp;P)</translation>
         </message>
     </context>
     <context>
@@ -4205,6 +4439,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Mirror left and right</source>
             <translation>左右にミラー</translation>
         </message>
+        <message>
+            <source>“%1”, one of %2 ends here · Tab or a second click: the next</source>
+            <comment>the end of a bone</comment>
+            <translation>「%1」(ここにある %2 個の端のひとつ)· Tab またはもう一度クリック: 次へ</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AccuracyPanel</name>
@@ -4309,10 +4548,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>フレームのメモリ %1</translation>
         </message>
         <message>
-            <source>another setting is at least as good in all</source>
-            <translation>他の設定がすべての点で同等以上です</translation>
-        </message>
-        <message>
             <source>below the error of the reference itself</source>
             <translation>基準そのものの誤差より小さい値です</translation>
         </message>
@@ -4387,6 +4622,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Effects</source>
             <translation>エフェクト</translation>
+        </message>
+        <message>
+            <source>not worth choosing: another setting is at least as good in everything</source>
+            <translation>選ぶ価値なし：すべての点で同等以上の設定があります</translation>
         </message>
     </context>
     <context>
@@ -4551,10 +4790,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>完全</translation>
         </message>
         <message>
-            <source>%1 modes</source>
-            <translation>%1 モード</translation>
-        </message>
-        <message>
             <source>%1, smooth joints</source>
             <translation>%1、滑らかな関節</translation>
         </message>
@@ -4569,6 +4804,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>volume × %1</source>
             <translation>体積（有限要素） × %1</translation>
+        </message>
+        <message>
+            <source>%1 shapes</source>
+            <translation>形 %1</translation>
         </message>
     </context>
     <context>
@@ -4919,10 +5158,6 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1 / %2 · フレーム %3 / %4</translation>
         </message>
         <message>
-            <source>The character has changed since: its poses alone</source>
-            <translation>キャラクターが変わったため、ポーズだけを示します</translation>
-        </message>
-        <message>
             <source>Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.</source>
             <translation>要素、面、基底、効果のいずれかが記録時と違います。テイクは効果を除いたポーズだけを示します。</translation>
         </message>
@@ -4942,6 +5177,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Drag to see any moment; arrow keys go frame by frame. The marks below say what part is played, and kept by trimming.</source>
             <translation>ドラッグで好きな瞬間を表示。矢印キーで 1 フレームずつ進みます。下の目印は、再生し、切り詰めで残す範囲です。</translation>
+        </message>
+        <message>
+            <source>Recorded on another version: pose only</source>
+            <translation>別の版で記録：ポーズのみ</translation>
         </message>
     </context>
     <context>
@@ -5554,6 +5793,42 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>
                 <numerusform>テイクを %n 個作りました。スペースキーで選んだテイクを再生します。</numerusform>
             </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::PictureDialog</name>
+        <message>
+            <source>Save a picture</source>
+            <translation>画像を保存</translation>
+        </message>
+        <message>
+            <source> px</source>
+            <comment>pixels</comment>
+            <translation> px</translation>
+        </message>
+        <message>
+            <source>Width</source>
+            <translation>幅</translation>
+        </message>
+        <message>
+            <source>Height</source>
+            <translation>高さ</translation>
+        </message>
+        <message>
+            <source>Transparent background</source>
+            <translation>背景を透明にする</translation>
+        </message>
+        <message>
+            <source>Ground and its shadow</source>
+            <translation>地面と影</translation>
+        </message>
+        <message>
+            <source>Bones and handles, where they are shown</source>
+            <translation>表示しているボーンとハンドル</translation>
+        </message>
+        <message>
+            <source>Save…</source>
+            <translation>保存…</translation>
         </message>
     </context>
 </TS>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <QAbstractButton>
+#include <QCheckBox>
 #include <QComboBox>
 #include <QElapsedTimer>
 #include <QFile>
@@ -405,4 +407,33 @@ TEST_CASE("studio: a size that cannot be meant is asked about once for each file
     CHECK(ask(second, "", nullptr) == "");
     CHECK(QSettings().value(QStringLiteral("import/obj/unit"), 0).toInt() == 0);  // other files of this type are what they are
     QSettings().remove(QStringLiteral("import/sizes"));
+}
+
+TEST_CASE("import dialog: to make it soft is offered for whatever is read, and asked again for the next file") {
+    Window w;
+    QSettings().setValue(QStringLiteral("import/soft-at-first"), true);
+    const QString element = QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj");
+    {
+        ImportDialog dialog(element, &w.window());
+        dialog.show();
+        auto* soft = dialog.findChild<QCheckBox*>(QStringLiteral("makeSoft"));
+        auto* import = dialog.findChild<QPushButton*>(QStringLiteral("importButton"));
+        waitFor([&] { return import->isEnabled(); });
+        // A clean closed surface with flat ends: an element, unless somebody wants it soft at once.
+        REQUIRE(dialog.findChild<QAbstractButton*>(QStringLiteral("elements"))->isChecked());
+        CHECK(soft->isVisible());
+        CHECK(!soft->isChecked());
+        soft->click();
+        CHECK(dialog.findChild<QAbstractButton*>(QStringLiteral("wholeCharacter"))->isChecked());
+        CHECK(soft->isChecked());
+        soft->click();
+        CHECK(!soft->isChecked());
+        waitFor([&] { return import->isEnabled(); });
+        dialog.accept();
+    }
+    ImportDialog next(writeTube(w.folder.filePath(QStringLiteral("tube.obj"))), &w.window());
+    next.show();
+    waitFor([&] { return next.findChild<QPushButton*>(QStringLiteral("importButton"))->isEnabled(); });
+    CHECK(next.findChild<QCheckBox*>(QStringLiteral("makeSoft"))->isChecked());
+    QSettings().setValue(QStringLiteral("import/soft-at-first"), false);
 }

@@ -41,6 +41,9 @@ struct Effective : Window {
         settle();
     }
     NumberField* field(const char* property) {
+        // How fast things swing is behind a disclosure.
+        for (auto* disclose : window().effects().findChildren<QToolButton*>(QStringLiteral("fine")))
+            if (disclose->isVisible() && disclose->accessibleDescription() == QStringLiteral("hidden")) disclose->click();
         for (auto* f : window().effects().findChildren<NumberField*>(QLatin1String(property)))
             if (f->isVisible()) return f;
         return nullptr;

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     imomushi::GuardedApplication application(argc, argv);
     imomushi::prepareStudio();
     QSettings().setValue(QStringLiteral("precompute/soft-at-once"), false);  // cases that are about it turn it on
-    QSettings().setValue(QStringLiteral("import/make-soft"), false);
+    QSettings().setValue(QStringLiteral("import/soft-at-first"), false);
     QSettings().setValue(QStringLiteral("view/picture"), 1);  // four fifths of the time goes into drawing; pictures that are grabbed are fine ones
     imomushi::Appearance::instance().setLanguage(QStringLiteral("en"));
     const int status = imomushi::statusOf(doctest::Context(argc, argv).run());

@@ -164,7 +164,7 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     if (!std::filesystem::exists(kPenguin)) return leaveOut("there is no " + kPenguin.string());
     Window w;
     w.trigger("soft-at-once");
-    QSettings().setValue(QStringLiteral("import/make-soft"), true);
+    QSettings().setValue(QStringLiteral("import/soft-at-first"), true);
     QElapsedTimer clock;
     clock.start();
     // Stages of a journal, s after the drop.
@@ -180,7 +180,7 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     w.import(QString::fromStdString(kPenguin.string()));
     heart.stop();
     QObject::disconnect(steps);
-    QSettings().setValue(QStringLiteral("import/make-soft"), false);
+    QSettings().setValue(QStringLiteral("import/soft-at-first"), false);
     REQUIRE(at.contains("cut"));
     CHECK(at["accepted"] < at["cut"]);
     REQUIRE(w.now().characters.size() == 1);

@@ -256,3 +256,46 @@ TEST_CASE("picking: a render mesh answers with the element that the triangle fol
     const auto s = stage.screen(onLimb(2.0));
     CHECK(!pickItem(stage.session(), stage.at(s.x(), s.y(), Qt::LeftButton, Qt::LeftButton)));
 }
+
+TEST_CASE("cuts: the selected cut can be grabbed from every side, before the ends of bones and before flesh") {
+    ToolStage stage;
+    addWorm(stage);
+    stage.run({{"do", "cut"}, {"element", "worm"}, {"plane", {{"origin", {1.0, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    // The end of a bone at the very middle of the cut, which its bone follows.
+    stage.run({{"do", "add-bone"}, {"name", "tail"}, {"element", ""}, {"from", {-1, 0, 0}}, {"to", {1, 0, 0}}});
+    for (const ViewAxis axis : {ViewAxis::Front, ViewAxis::Top, ViewAxis::Right, ViewAxis::Left}) {
+        CAPTURE(int(axis));
+        stage.look(axis);
+        stage.document().select({cutItem(stage)});
+        SelectTool tool(stage.document());
+        const double from = worm(stage).cuts[0].plane.origin.x();
+        // Seen along its normal, the plane comes nearer where the pointer goes down.
+        const bool along = axis == ViewAxis::Right || axis == ViewAxis::Left;
+        const Vec3 to = along ? Vec3(from, -0.3, 0.0) : Vec3(from + 0.3, 0.0, 0.0);
+        stage.press(tool, Vec3(from, 0.0, 0.0));
+        CHECK(tool.busy());
+        CHECK(stage.selected() == cutItem(stage));
+        stage.pull(tool, 0.5 * (Vec3(from, 0.0, 0.0) + to));
+        stage.pull(tool, to);
+        stage.letGo(tool, to);
+        CHECK(worm(stage).cuts[0].plane.origin.x() == doctest::Approx(from + (axis == ViewAxis::Left ? -0.3 : 0.3)).epsilon(1e-3));
+        stage.run({{"do", "undo"}});
+        CHECK(worm(stage).cuts[0].plane.origin.x() == from);
+    }
+}
+
+TEST_CASE("cuts: what ends at a cut comes along when it is moved by numbers") {
+    ToolStage stage;
+    addWorm(stage);
+    stage.run({{"do", "cut"}, {"element", "worm"}, {"plane", {{"origin", {1.0, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    const auto& element = *stage.now().elements.begin()->second;
+    REQUIRE(element.faces.size() == 1);
+    stage.run({{"do", "add-bone"}, {"name", "tail"}, {"element", element.name}, {"from", {-1, 0, 0}}, {"to", element.name + "/" + element.faces[0].name}});
+    const EndpointRef end{stage.now().boneNamed("tail")->id, true};
+    const auto before = endpointRestPosition(stage.now(), end);
+    REQUIRE(before.has_value());
+    stage.run({{"do", "move-cut"}, {"cut", worm(stage).cuts[0].name}, {"plane", {{"origin", {1.4, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    const auto after = endpointRestPosition(stage.now(), end);
+    REQUIRE(after.has_value());
+    CHECK(after->x() - before->x() == doctest::Approx(0.4).epsilon(0.02));
+}

@@ -1,43 +1,65 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/dialogs/help_dialogs.h"
 
+#include <QDialogButtonBox>
 #include <QIcon>
+#include <QPushButton>
+#include <QScreen>
+#include <QTextBrowser>
+#include <QVBoxLayout>
 #include <utility>
+#include <vector>
 
 #include "core/document/version.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 
-ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation, QWidget* parent) : QMessageBox(parent) {
-    // Keys can be changed.
-    const auto keys = [&](std::initializer_list<const char*> ids) {
-        QStringList found;
-        for (const char* id : ids)
-            if (const QKeySequence key = actions[id]->shortcut(); !key.isEmpty()) found << key.toString(QKeySequence::NativeText);
-        return found.join(QStringLiteral(", "));
-    };
-    const std::pair<QString, QString> rows[] = {
+ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation, QWidget* parent) : QDialog(parent) {
+    using Rows = std::vector<std::pair<QString, QString>>;
+    const Rows mouse = {
         {tr("Turn the view"), blenderNavigation ? tr("Middle mouse button") : tr("Alt + left mouse button")},
         {tr("Move the view"), blenderNavigation ? tr("Shift + middle mouse button") : tr("Alt + middle mouse button")},
         {tr("Nearer, farther"), blenderNavigation ? tr("Wheel") : tr("Wheel, Alt + right mouse button")},
         {tr("Select"), tr("Click, or drag a box from nothing; Shift adds")},
+        {tr("Let go of what is dragged or pinned"), tr("Double click with the drag tool")},
         {tr("Take back what is unfinished"), tr("Esc or right mouse button")},
-        {tr("Frame all, frame the selection"), keys({"frame-all", "frame-selection"})},
-        {tr("Views along the axes"), QStringLiteral("1, 3, 7, 5")},
-        {tr("Tools"), keys({"tool-select", "tool-face", "tool-bone", "tool-pose", "tool-touch"})},
-        {tr("Propose bones and cuts"), keys({"propose"})},
-        {tr("Precompute"), keys({"precompute"})},
-        {tr("Record, play"), keys({"record", "play"})},
-        {tr("Search commands"), keys({"search"})},
     };
-    QString text = QStringLiteral("<table cellspacing='0' cellpadding='5' style='font-weight:400'>");
-    for (const auto& [what, how] : rows) text += QStringLiteral("<tr><td style='padding-right:28px'>%1</td><td><b>%2</b></td></tr>").arg(what.toHtmlEscaped(), how.toHtmlEscaped());
+    const Rows view = {
+        {tr("Views along the axes"), QStringLiteral("1, 3, 7; Ctrl+1, Ctrl+3, Ctrl+7")},
+        {tr("With or without perspective"), QStringLiteral("5")},
+        {tr("Turn by 15°"), tr("4, 6, 8, 2 of the keypad")},
+        {tr("The end of a bone behind the one under the pointer"), tr("Tab, or a second click")},
+        {tr("Pin what is under the pointer, with the drag tool"), QStringLiteral("P")},
+        {tr("While dragging: along one axis"), QStringLiteral("X, Y, Z")},
+        {tr("While dragging: turn"), tr("R or wheel")},
+        {tr("While dragging: finer, in steps"), tr("Shift, Ctrl")},
+        {tr("While dragging flesh: keep the temporary handle"), QStringLiteral("K")},
+        {tr("Cut here, or accept a proposal"), tr("Enter")},
+    };
+    Rows commands;  // keys can be changed
+    for (const QAction* action : actions.all())
+        if (const auto keys = action->shortcuts(); !keys.isEmpty()) commands.emplace_back(commandName(*action), QKeySequence::listToString(keys, QKeySequence::NativeText).replace(QStringLiteral("; "), QStringLiteral(", ")));
+    QString text;
+    const auto table = [&](const QString& title, const Rows& rows) {
+        text += QStringLiteral("<h3>%1</h3><table cellspacing='0' cellpadding='4' width='100%'>").arg(title.toHtmlEscaped());
+        for (const auto& [what, how] : rows) text += QStringLiteral("<tr><td width='58%'>%1</td><td><b>%2</b></td></tr>").arg(what.toHtmlEscaped(), how.toHtmlEscaped());
+        text += QStringLiteral("</table>");
+    };
+    table(tr("Mouse"), mouse);
+    table(tr("Keys in the view"), view);
+    table(tr("Keys of commands"), commands);
     setWindowTitle(tr("Mouse and keys"));
-    setTextFormat(Qt::RichText);
-    setText(text + QStringLiteral("</table>"));
-    addButton(tr("Close"), QMessageBox::RejectRole);
+    auto* page = named(new QTextBrowser(this), "controls");
+    page->setFrameShape(QFrame::NoFrame);
+    page->setAccessibleName(windowTitle());
+    page->setHtml(text);
+    auto* buttons = new QDialogButtonBox(this);
+    connect(buttons->addButton(tr("Close"), QDialogButtonBox::RejectRole), &QPushButton::clicked, this, &QDialog::reject);
+    fill(new QVBoxLayout(this), QMargins(px(18), px(14), px(18), px(14)), Share{page, 1}, buttons);
+    resize(QSize(px(560), px(640)).boundedTo(screen()->availableGeometry().size() * 0.9));
 }
 
 AboutDialog::AboutDialog(QWidget* parent) : QMessageBox(parent) {

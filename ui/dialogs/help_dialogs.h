@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QDialog>
 #include <QMessageBox>
 
 namespace imomushi {
 
 class ActionSet;
 
-/// What mouse buttons and keys do. `blenderNavigation`: the view is turned as in Blender, else as in Maya.
-class ControlsDialog : public QMessageBox {
+/// What mouse buttons and all keys do, as they are set now. `blenderNavigation`: the view is turned as in Blender, else as in Maya.
+class ControlsDialog : public QDialog {
     Q_OBJECT
 public:
     ControlsDialog(const ActionSet& actions, bool blenderNavigation, QWidget* parent);

@@ -38,7 +38,7 @@ constexpr const char* kUnits[] = {"", "mm", "cm", "m"};
 constexpr const char* kAxes[] = {"", "y", "z"};
 constexpr BodyKind kBodies[] = {BodyKind::Auto, BodyKind::Exact, BodyKind::Mended, BodyKind::Wrapped, BodyKind::Wrapped};
 constexpr int kUnmended = 4;  // of these
-constexpr const char* kSoft = "import/make-soft";
+constexpr const char* kSoft = "import/soft-at-first";
 constexpr const char* kSizes = "import/sizes";  // answers to questions about sizes: by file the unit, empty where the size was meant
 constexpr int kMostSizes = 200;                 // that are remembered
 constexpr double kDetails[] = {0.0, 1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 250.0};  // of the diagonal, 0: chosen from the mesh
@@ -137,7 +137,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     unit_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("unit"), 0).toInt(), 0, 3));
     up_->setCurrentIndex(std::clamp(settings.value(group + QStringLiteral("up"), 0).toInt(), 0, 2));
     split_->setChecked(settings.value(group + QStringLiteral("split"), false).toBool());
-    soft_->setChecked(settings.value(kSoft, true).toBool());
+    wantsSoft_ = settings.value(kSoft, true).toBool();
+    soft_->setChecked(wantsSoft_);
     const QString unitOfAnswer = settings.value(kSizes).toMap().value(keyOfFile(path)).toString();
     for (int i = 1; i < int(std::size(kUnits)); ++i)
         if (unit_->currentIndex() == 0 && unitOfAnswer == QLatin1String(kUnits[i])) {
@@ -167,7 +168,6 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
         if (!sizeQuestion_->isHidden()) rememberSize(path_, {});  // who imports it as it is has answered
         keep.setValue(group + QStringLiteral("up"), up_->currentIndex());
         keep.setValue(group + QStringLiteral("split"), split_->isChecked());
-        if (whole()) keep.setValue(kSoft, soft_->isChecked());
         accept();
     });
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
@@ -186,7 +186,14 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     connect(unit_, &QComboBox::activated, this, [this] { unitOfAnswer_ = false; });
     for (QComboBox* box : {unit_, up_}) connect(box, &QComboBox::activated, this, [this] { askedLinks_.reset(); });
     for (QComboBox* box : {unit_, up_, body_, detail_}) connect(box, &QComboBox::activated, this, &ImportDialog::read);
-    for (QCheckBox* box : {split_, soft_}) connect(box, &QCheckBox::toggled, this, &ImportDialog::read);
+    connect(split_, &QCheckBox::toggled, this, &ImportDialog::read);
+    connect(soft_, &QCheckBox::toggled, this, [this](bool on) {
+        wantsSoft_ = on;
+        if (whole()) return read();
+        // Elements have neither cuts nor bones at first: what is to have them is a whole character.
+        chosenByHand_ = true;
+        choose(true);
+    });
     connect(kinds, &QButtonGroup::idClicked, this, [this] {
         chosenByHand_ = true;
         choose(wholeCard_->isChecked());
@@ -206,8 +213,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
 void ImportDialog::leadToSoft(bool rigged) {
     wantsSkeleton_ = rigged;
     chosenByHand_ = true;
-    const QSignalBlocker quiet(soft_);  // choose() reads
-    soft_->setChecked(true);
+    wantsSoft_ = true;
     choose(true);
 }
 
@@ -253,7 +259,11 @@ void ImportDialog::choose(bool whole) {
     (whole ? wholeCard_ : elementsCard_)->setChecked(true);
     split_->setVisible(!whole);
     for (QWidget* field : std::initializer_list<QWidget*>{bodyLabel_, body_, detailLabel_, detail_}) field->setVisible(whole);
-    soft_->setVisible(whole && replaced_.empty());
+    soft_->setVisible(replaced_.empty());
+    {
+        const QSignalBlocker quiet(soft_);  // this reads below
+        soft_->setChecked(whole && wantsSoft_);
+    }
     for (QWidget* field : std::initializer_list<QWidget*>{bonesLabel_, bones_, linksLabel_, links_}) field->hide();
     read();
 }
@@ -299,7 +309,7 @@ void ImportDialog::showResult() {
     if (!whole()) {
         // What is not one clean closed surface is a whole character, and so is what looks like a creature, unless somebody said otherwise.
         const auto outcome = job_->result();
-        if (!chosenByHand_ && *outcome && (!isOneElement(**outcome) || (soft_->isChecked() && !hasFlatRegion((**outcome).bodies[0].mesh.body)))) return choose(true);
+        if (!chosenByHand_ && *outcome && (!isOneElement(**outcome) || (wantsSoft_ && !hasFlatRegion((**outcome).bodies[0].mesh.body)))) return choose(true);
     }
     progress_->setVisible(false);
     stage_->setVisible(false);

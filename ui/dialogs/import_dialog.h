@@ -77,6 +77,7 @@ private:
     QComboBox* up_;
     QCheckBox* split_;
     QCheckBox* soft_;
+    bool wantsSoft_ = true;  ///< of whole characters
     QLabel* bodyLabel_;
     QComboBox* body_;
     QLabel* detailLabel_;

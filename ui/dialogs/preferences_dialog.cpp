@@ -65,6 +65,17 @@ void PreferencesDialog::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) QMetaObject::invokeMethod(this, &PreferencesDialog::rebuild, Qt::QueuedConnection);
 }
 
+QStringList PreferencesDialog::settings() {
+    return {tr("Theme"), tr("Language"), tr("Size of the interface"), tr("Mouse in the view"), tr("Deform on"), tr("Picture"), tr("Steps that can be undone"), tr("Versions of a project"),
+            tr("Memory for what was precomputed"), tr("Disk for what was precomputed"), tr("Shortcuts")};
+}
+
+void PreferencesDialog::choose(const QString& setting) {
+    for (auto* box : content_->findChildren<QComboBox*>())
+        if (box->accessibleName() == setting) box->setFocus(Qt::OtherFocusReason);
+    if (setting == tr("Shortcuts")) tabs_->setCurrentIndex(1);
+}
+
 void PreferencesDialog::rebuild() {
     const int tab = tabs_ ? tabs_->currentIndex() : 0;
     delete content_;

@@ -26,6 +26,11 @@ public:
     static VersionLimits versionLimits();
     static ResponseStore::Limits responseLimits();
 
+    /// Opens where this setting is chosen.
+    void choose(const QString& setting);
+    /// What the settings are called.
+    [[nodiscard]] static QStringList settings();
+
 signals:
     void navigationChanged(int preset);
     void deformOnChanged(int where);  ///< of ViewportWidget::DeformOn

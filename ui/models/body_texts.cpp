@@ -57,4 +57,12 @@ QStringList bodyLines(const Body& body) {
     return lines;
 }
 
+long long verticesOf(const Document& document) {
+    long long vertices = 0;
+    for (const auto& [id, character] : document.characters) vertices += character->model->mesh.body.vertices.rows();
+    for (const auto& [id, element] : document.elements)
+        if (!element->piece) vertices += element->mesh->body.vertices.rows();
+    return vertices;
+}
+
 }  // namespace imomushi

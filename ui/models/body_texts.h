@@ -5,6 +5,7 @@
 
 #include "core/body/body.h"
 #include "core/body/repair.h"
+#include "core/document/document.h"
 
 namespace imomushi {
 
@@ -16,5 +17,7 @@ QString repairText(RepairAction action);
 QString diagonalShareText(double share);
 /// How a body was made and how far it is from what is seen, a line each.
 QStringList bodyLines(const Body& body);
+/// Vertices of all that is seen: of meshes of characters, and of elements of their own.
+long long verticesOf(const Document& document);
 
 }  // namespace imomushi

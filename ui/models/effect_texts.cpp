@@ -21,7 +21,7 @@ struct Warning {
 constexpr Warning kWarnings[] = {
     {FrameWarning::PoseRefused, true, QT_TRANSLATE_NOOP("Effects", "A pose was not finite; the last good one stays. Go back to rest.")},
     {FrameWarning::BasisLosesTwist, true,
-     QT_TRANSLATE_NOOP("Effects", "The pose twists a joint face, which the joint modes “Paper” cannot follow: choose “Affine”.")},
+     QT_TRANSLATE_NOOP("Effects", "The pose twists a joint face, which the joint shapes “None, without twist” cannot follow: choose “None” or more.")},
     {FrameWarning::Diverged, true, QT_TRANSLATE_NOOP("Effects", "The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.")},
     {FrameWarning::LoadsBounded, false, QT_TRANSLATE_NOOP("Effects", "Gravity or pressure is too strong for flesh so soft: it acts less than asked for.")},
     {FrameWarning::ContactsBounded, false, QT_TRANSLATE_NOOP("Effects", "Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.")},

@@ -6,12 +6,17 @@
 
 namespace imomushi {
 
-/// One undo step of several commands. Takes the commands back unless commit() was called: no path leaves a gesture open.
+/// One undo step of several commands. Takes the commands back unless commit() was called: no path leaves a gesture open. One that begins while another goes on is a
+/// part of that.
 class Gesture {
 public:
-    explicit Gesture(StudioDocument& document) : document_(&document) { document.session().beginGesture(); }
+    explicit Gesture(StudioDocument& document) : document_(&document), outer_(document.gestures_++ == 0) {
+        if (outer_) document.session().beginGesture();
+    }
     ~Gesture() {
         if (!document_) return;
+        --document_->gestures_;
+        if (!outer_) return;
         attempt([this] { Q_EMIT document_->changing(); });
         document_->session().cancelGesture();
         attempt([this] { Q_EMIT document_->historyChanged(); });
@@ -21,14 +26,17 @@ public:
 
     /// `named`: the step is called so, instead of after its last command.
     void commit(const Session::Step& named = {}) {
-        document_->session().endGesture(named);
         StudioDocument* document = document_;
         document_ = nullptr;
+        --document->gestures_;
+        if (!outer_) return;
+        document->session().endGesture(named);
         Q_EMIT document->historyChanged();
     }
 
 private:
     StudioDocument* document_;
+    bool outer_;
 };
 
 /// Several commands as one undo step. False: one failed, and none remains.

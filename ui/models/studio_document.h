@@ -36,6 +36,9 @@ public:
     /// Runs one command on this thread. On failure emits failed() unless `quiet`.
     Result<Json> execute(const Json& command, bool quiet = false);
 
+    /// Several commands are becoming one step (see Gesture): whatever makes another waits.
+    [[nodiscard]] bool inGesture() const { return gestures_ > 0; }
+
     /// One frame of what goes on by itself: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.
@@ -80,10 +83,12 @@ Q_SIGNALS:
     void failed(const QString& message);  ///< a command was refused: one translated sentence
 
 private:
+    friend class Gesture;
     [[nodiscard]] bool exists(const SelectionItem& item) const;
     void tell(const Session::Change& change);
 
     Session session_;
+    int gestures_ = 0;
     std::array<double, kEffects> effectMs_;  ///< negative: none
     double frameMs_ = -1.0;
     bool unheard_ = false;                      ///< not everybody was told what changed

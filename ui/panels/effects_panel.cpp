@@ -122,6 +122,17 @@ void EffectsPanel::showEvent(QShowEvent* event) {
     if (!check_.isActive()) check_.start();
 }
 
+// The button that is held cannot be let go of any more.
+void EffectsPanel::hideEvent(QHideEvent* event) {
+    comparison_.reset();
+    QScrollArea::hideEvent(event);
+}
+
+bool EffectsPanel::event(QEvent* event) {
+    if (event->type() == QEvent::WindowDeactivate) comparison_.reset();
+    return QScrollArea::event(event);
+}
+
 void EffectsPanel::setCosts(const std::array<EffectCost, kEffects>& costs) {
     costs_ = costs;
     known_ = true;
@@ -150,9 +161,10 @@ void EffectsPanel::rebuild() {
         const auto effect = EffectKind(k);
         const QString name = QString::fromUtf8(effectName(effect).data(), qsizetype(effectName(effect).size()));
         Row& r = rows_[k];
-        const bool dismissed = r.dismissed;
+        const bool dismissed = r.dismissed, open = r.open;
         r = {};
         r.dismissed = dismissed;
+        r.open = open;
         auto* holder = new QWidget(body);
         r.layout = new QVBoxLayout(holder);
         r.layout->setContentsMargins(0, px(3), 0, px(3));
@@ -165,6 +177,10 @@ void EffectsPanel::rebuild() {
         r.price = new FigureLabel(holder);
         for (QWidget* w : {static_cast<QWidget*>(r.button), static_cast<QWidget*>(text)}) w->setToolTip(effectHelp(effect));
         r.layout->addLayout(fill(new QHBoxLayout, Spacing{px(9)}, r.button, text, Stretch{}, r.price));
+        auto* help = styled(new QLabel(effectHelp(effect), holder), "muted");
+        help->setWordWrap(true);
+        help->setContentsMargins(r.button->sizeHint().width() + px(9), 0, 0, 0);
+        r.layout->addWidget(help);
 
         r.needs = new QWidget(holder);
         auto* needs = new QHBoxLayout(r.needs);
@@ -183,6 +199,11 @@ void EffectsPanel::rebuild() {
     all->addStretch(1);
     setWidget(body);
     refresh();
+}
+
+void EffectsPanel::reveal(EffectKind effect) {
+    ensureWidgetVisible(row(effect).button->parentWidget());
+    row(effect).button->setFocus(Qt::TabFocusReason);
 }
 
 void EffectsPanel::turn(EffectKind effect, bool on) {
@@ -263,8 +284,37 @@ void EffectsPanel::buildSettings(EffectKind effect) {
     grid->setColumnStretch(1, 1);
     if (effectDescriptor(effect).canBeAutomatic) addAutomatic(r, *grid, effect);
     if (isOfElements(effect)) addElements(r, *grid, effect);
-    for (const EffectProperty& property : effectProperties(effect))
-        for (int part = 0; part < property.size; ++part) addNumber(r, *grid, effect, property, part);
+    // How fast things swing and settle is for those who ask.
+    const auto fine = [](const EffectProperty& property) { return property.unit == "Hz" || property.unit == "s"; };
+    const auto properties = effectProperties(effect);
+    for (const EffectProperty& property : properties)
+        for (int part = 0; part < property.size && !fine(property); ++part) addNumber(r, *grid, effect, property, part);
+    if (std::any_of(properties.begin(), properties.end(), fine)) {
+        auto* more = new QWidget(r.settings);
+        auto* lines = new QGridLayout(more);
+        lines->setContentsMargins(0, 0, 0, 0);
+        lines->setHorizontalSpacing(px(10));
+        lines->setVerticalSpacing(px(5));
+        lines->setColumnMinimumWidth(0, px(104));
+        lines->setColumnStretch(1, 1);
+        for (const EffectProperty& property : properties)
+            for (int part = 0; part < property.size && fine(property); ++part) addNumber(r, *lines, effect, property, part);
+        auto* disclose = named(new QToolButton(r.settings), "fine");
+        disclose->setText(tr("Frequencies and times"));
+        disclose->setProperty("link", true);
+        disclose->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+        disclose->setFocusPolicy(Qt::TabFocus);
+        const auto show = [this, effect, more, disclose](bool open) {
+            row(effect).open = open;
+            more->setVisible(open);
+            disclose->setIcon(themedIcon(open ? QStringLiteral("chevron-down") : QStringLiteral("chevron-right"), Appearance::Role::Muted));
+            disclose->setAccessibleDescription(open ? tr("shown") : tr("hidden"));
+        };
+        connect(disclose, &QToolButton::clicked, this, [this, effect, show] { show(!row(effect).open); });
+        grid->addWidget(disclose, grid->rowCount(), 0, 1, 2, Qt::AlignLeft);
+        grid->addWidget(more, grid->rowCount(), 0, 1, 2);
+        show(r.open);
+    }
     r.layout->addWidget(r.settings);
 }
 

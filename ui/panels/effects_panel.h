@@ -31,6 +31,8 @@ class EffectsPanel : public QScrollArea {
 public:
     explicit EffectsPanel(StudioDocument& document, QWidget* parent = nullptr);
     ~EffectsPanel() override;
+    /// Brings the row of an effect into sight.
+    void reveal(EffectKind effect);
     /// What effects cost, on or off now.
     void setCosts(const std::array<EffectCost, kEffects>& costs);
 
@@ -40,6 +42,8 @@ signals:
 protected:
     void changeEvent(QEvent* event) override;
     void showEvent(QShowEvent* event) override;
+    void hideEvent(QHideEvent* event) override;
+    bool event(QEvent* event) override;
 
 private:
     struct Row {
@@ -54,6 +58,7 @@ private:
         QPushButton* take = nullptr;   ///< one click takes it
         QPushButton* compare = nullptr;  ///< while it is held, the pose is shown with the effect
         bool dismissed = false;
+        bool open = false;             ///< frequencies and times are shown
         QWidget* settings = nullptr;   ///< null: off, or there are none
         std::vector<std::function<void()>> refreshers;
     };

@@ -198,7 +198,7 @@ void TakesPanel::follow() {
         clock_->clear();
     }
     const bool changed = deck_.shown() && !deck_.exact();
-    note_->setText(changed ? tr("The character has changed since: its poses alone") : QString());
+    note_->setText(changed ? tr("Recorded on another version: pose only") : QString());
     note_->setToolTip(changed ? tr("Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.") : QString());
     live_->setVisible(deck_.shown());
     following_ = false;

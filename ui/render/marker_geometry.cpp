@@ -25,7 +25,7 @@ Vector4f with(const Vector3f& color, float alpha) { return Vector4f(color.x(), c
 // Radius of a bone at its thickest place, relative to its length; and where that is.
 constexpr double kBoneRadius = 0.075, kBoneWaist = 0.16;
 // Radii of handles and half widths of lines in logical pixels.
-constexpr float kPointRadius = 5.5f, kHandleRadius = 7.5f, kOutlineHalfWidth = 1.1f, kGlow = 5.0f;
+constexpr float kPointRadius = 5.5f, kHandleRadius = 7.5f, kOutlineHalfWidth = 1.1f, kEdgeHalfWidth = 0.6f, kGlow = 5.0f;
 // How visible things stay behind bodies: bones live inside, gizmos are tools, the far side of an outline is a hint.
 constexpr float kBoneBehind = 0.62f, kOutlineBehind = 0.34f, kPointBehind = 0.85f, kGizmoBehind = 1.0f, kDiscBehind = 0.8f;
 // How far beside a shape, in logical pixels, a click still means it.
@@ -56,7 +56,10 @@ void addTriangle(std::vector<SolidVertex>& out, const Vec3& a, const Vec3& b, co
     for (const Vec3& p : {a, b, c}) out.push_back({p.cast<float>(), n, color, behind});
 }
 
-void addBone(const Marker& m, const Vector4f& color, std::vector<SolidVertex>& out) {
+void addPolyline(const std::vector<Vec3>& p, bool closed, const Vector4f& color, Vector3f widths, std::vector<LineSegment>& out);
+
+/// `edge`: half width of its edges in drawn pixels; 0: none.
+void addBone(const Marker& m, const Vector4f& color, float edge, std::vector<SolidVertex>& out, std::vector<LineSegment>& lines) {
     const Vec3 d = m.to - m.from;
     if (d.norm() < 1e-9) return;
     const Basis b = basisOf(d);
@@ -71,6 +74,9 @@ void addBone(const Marker& m, const Vector4f& color, std::vector<SolidVertex>& o
         addTriangle(out, m.to, ring[i], ring[(i + 1) % 4], color, kBoneBehind);
         addTriangle(out, m.from, ring[(i + 1) % 4], ring[i], color, kBoneBehind);
     }
+    if (edge <= 0.0f) return;
+    const Vector4f light(0.9f, 0.9f, 0.9f, 0.8f);
+    for (const Vec3& corner : ring) addPolyline({m.from, corner, m.to}, false, light, Vector3f(edge, 0.0f, kBoneBehind), lines);
 }
 
 void addCone(const Vec3& base, const Vec3& tip, double radius, const Vector4f& color, std::vector<SolidVertex>& out) {
@@ -143,7 +149,8 @@ void MarkerGeometry::build(const Scene& scene, int height) {
         const float grow = m.selected || m.hovered ? 1.3f : 1.0f;
         switch (m.shape) {
             case Marker::Shape::Bone:
-                addBone(m, with(colored(ivory), 0.96f), bones);
+                // Dark ones on dark flesh are seen by their edges.
+                addBone(m, with(colored(ivory), 0.96f), scene.darkTheme ? 0.0f : kEdgeHalfWidth * unit, bones, lines);
                 break;
             case Marker::Shape::JointPoint:
                 points.push_back({m.from.cast<float>(), Vector3f(kPointRadius * grow * unit, 0.0f, kPointBehind), with(colored(ivory), 1.0f)});

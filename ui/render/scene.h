@@ -75,10 +75,10 @@ struct Scene {
     bool darkTheme = true;
     bool transparentBackground = false;
     bool smooth = true;       ///< smooth edges also where the processor draws, which take it several times as long
-    float pixelRatio = 1.0f;  ///< device pixels per logical pixel
+    float pixelRatio = 1.0f;  ///< device pixels per pixel of the design: of lines, points and handles
     bool halved = false;      ///< drawn with half as many pixels each way, and enlarged: three times as fast where the processor draws
 
-    [[nodiscard]] float unit() const { return halved ? 0.5f * pixelRatio : pixelRatio; }  ///< drawn pixels per logical pixel
+    [[nodiscard]] float unit() const { return halved ? 0.5f * pixelRatio : pixelRatio; }  ///< drawn pixels per pixel of the design
 };
 
 }  // namespace imomushi::render

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/tools/cut_drag.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -14,11 +16,22 @@ namespace {
 
 /// With Ctrl, normals this near to an axis of the world are that axis.
 constexpr double kSnapCosine = 0.94;  // 20 degrees
+/// Squared sine of the angle between the view and the normal: below it (6 degrees) the pointer goes up and down for the plane to come nearer or go away.
+constexpr double kAlong = 0.01;
 
-/// How far along a line (unit direction) the pointer's ray comes nearest to it; none: it looks along the line.
+/// Distance from the pointer to the segment a...b on the screen, pixels of the design; infinite where an end is behind the eye.
+double pixelsTo(const PointerEvent& e, const Vec3& a, const Vec3& b) {
+    const auto from = e.onScreen(a), to = e.onScreen(b);
+    if (!from || !to) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d along = *to - *from, off = Eigen::Vector2d(e.x, e.y) - *from;
+    const double square = along.squaredNorm(), t = square > 0.0 ? std::clamp(off.dot(along) / square, 0.0, 1.0) : 0.0;
+    return (off - t * along).norm();
+}
+
+/// How far along a line (unit direction) the pointer's ray comes nearest to it; none: it looks along the line, nearly.
 std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const Vec3& direction) {
     const double across = direction.dot(e.rayDirection), square = 1.0 - across * across;
-    if (square < 1e-3) return std::nullopt;
+    if (square < kAlong) return std::nullopt;
     const Vec3 w = e.rayOrigin - point;
     return (w.dot(direction) - across * w.dot(e.rayDirection)) / square;
 }
@@ -32,13 +45,19 @@ std::optional<CutDrag::Grip> CutDrag::grip(const PointerEvent& e) const {
     const auto frame = cutFrame(document_.session(), item.part);
     if (!frame) return std::nullopt;
     const auto tip = e.onScreen(frame->centre + frame->reach * frame->normal);
-    if (tip && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return Grip{item.part, true, *frame};
+    // Seen along its normal, the plane has its arrow over its middle, and is not turned by that.
+    const auto centre = e.onScreen(frame->centre);
+    if (tip && centre && (*tip - *centre).norm() > kEndpointPixels && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return Grip{item.part, true, *frame};
     // The square around the section, as it is drawn; seen from its edge, whatever is near to the line that it is then.
     const Vec3 beside = frame->centre + 2.0 * frame->reach * frame->normal;
     if ((e.onPlane(frame->centre, frame->normal, beside) - frame->centre).norm() <= frame->reach) return Grip{item.part, false, *frame};
-    for (const auto& loop : frame->rim)
-        for (const Vec3& p : loop)
-            if (const auto at = e.onScreen(p); at && (*at - Eigen::Vector2d(e.x, e.y)).norm() <= kBonePixels) return Grip{item.part, false, *frame};
+    const Vec3 x = frame->normal.unitOrthogonal(), y = frame->normal.cross(x);
+    std::vector<std::vector<Vec3>> lines = frame->rim;
+    lines.push_back({frame->centre - frame->reach * x, frame->centre + frame->reach * x});
+    lines.push_back({frame->centre - frame->reach * y, frame->centre + frame->reach * y});
+    for (const auto& line : lines)
+        for (std::size_t i = 0; i < line.size(); ++i)
+            if (pixelsTo(e, line[i], line[(i + 1) % line.size()]) <= kBonePixels) return Grip{item.part, false, *frame};
     return std::nullopt;
 }
 
@@ -53,6 +72,7 @@ bool CutDrag::press(const PointerEvent& e) {
     const Vec3 tip = drag.centre + taken->frame.reach * drag.normal;
     drag.held = taken->turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
     drag.pressed = {e.x, e.y};
+    drag.lastY = e.y;
     drag.grip = std::move(*taken);
     drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
     drag_ = std::move(drag);
@@ -73,11 +93,15 @@ void CutDrag::move(const PointerEvent& e) {
         if (e.modifiers & Qt::ControlModifier)
             for (int axis = 0; axis < 3; ++axis)
                 if (std::abs(drag.normal[axis]) > kSnapCosine) drag.normal = std::copysign(1.0, drag.normal[axis]) * Vec3::Unit(axis);
-    } else if (const auto along = alongLine(e, frame.centre, frame.normal)) {
+    } else if (const auto along = alongLine(e, frame.centre, frame.normal); !along) {
+        drag.along += e.pace() * (e.y - drag.lastY) * e.pixelAt(frame.centre) * (frame.normal.dot(e.viewForward) < 0.0 ? 1.0 : -1.0);
+        drag.centre = frame.centre + drag.along * frame.normal;
+    } else {
         drag.along += e.pace() * (*along - (drag.held - frame.centre).dot(frame.normal));
         drag.held = frame.centre + *along * frame.normal;
         drag.centre = frame.centre + drag.along * frame.normal;
     }
+    drag.lastY = e.y;
     preview();
 }
 

@@ -40,6 +40,7 @@ private:
         std::unique_ptr<SectionFinder> sections;
         Vec3 centre = Vec3::Zero(), normal = Vec3::UnitX();  ///< of the plane under way, world
         Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
+        double lastY = 0.0;                                  ///< of the pointer, pixels of the design
         double along = 0.0;                                  ///< that the plane was moved, m
         bool moved = false;
         Eigen::Vector2d pressed = Eigen::Vector2d::Zero();   ///< logical pixels

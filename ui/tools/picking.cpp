@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <QThreadPool>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -262,21 +263,28 @@ EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {
     return end;
 }
 
+std::vector<EndpointRef> endpointsUnder(Session& session, const PointerEvent& e, double pixels) {
+    constexpr double kAsNear = 4.0;  // pixels that a hand does not tell apart
+    struct Near {
+        double rank, depth;
+        EndpointRef end;
+    };
+    std::vector<Near> near;
+    if (e.bonesVisible)
+        for (const auto& [id, bone] : session.document().bones)
+            for (const bool atEnd : {true, false})
+                if (const auto at = endpointPosition(session, {id, atEnd}))
+                    if (const double distance = pixelsTo(e, *at); distance <= pixels) near.push_back({std::floor(distance / kAsNear), (*at - e.rayOrigin).dot(e.rayDirection), {id, atEnd}});
+    std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.rank != b.rank ? a.rank < b.rank : a.depth < b.depth; });
+    std::vector<EndpointRef> ends;
+    for (const Near& one : near)
+        if (const EndpointRef end = holdingEndpoint(session, one.end); std::find(ends.begin(), ends.end(), end) == ends.end()) ends.push_back(end);
+    return ends;
+}
+
 std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels) {
-    if (!e.bonesVisible) return std::nullopt;
-    std::optional<EndpointRef> best;
-    double nearest = pixels;
-    for (const auto& [id, bone] : session.document().bones)
-        for (const bool atEnd : {true, false}) {
-            const auto at = endpointPosition(session, {id, atEnd});
-            if (!at) continue;
-            const double distance = pixelsTo(e, *at);
-            if (distance > nearest || (best && distance == nearest)) continue;
-            nearest = distance;
-            best = EndpointRef{id, atEnd};
-        }
-    if (best) best = holdingEndpoint(session, *best);
-    return best;
+    const auto ends = endpointsUnder(session, e, pixels);
+    return ends.empty() ? std::nullopt : std::optional(ends[std::size_t(e.behind) % ends.size()]);
 }
 
 std::optional<Vec3> gripPosition(Session& session, const PoseGrip& grip) {

@@ -10,11 +10,11 @@
 
 namespace imomushi {
 
-/// Distances in logical pixels within which the pointer takes hold of things.
+/// Distances in pixels of the design within which the pointer takes hold of things.
 inline constexpr double kEndpointPixels = 12.0;
 inline constexpr double kBonePixels = 6.0;
 inline constexpr double kFaceCentrePixels = 14.0;
-/// A press that moves less than this before its release is a click, logical pixels.
+/// A press that moves less than this before its release is a click, pixels of the design.
 inline constexpr double kDragPixels = 3.0;
 
 /// A crossing of a ray with what is seen of an element, as it is posed now. Where that is the render mesh of a character, all but `distance` is of the point of the
@@ -71,8 +71,10 @@ std::optional<Vec3> facePosition(Session& session, const FaceRef& face);
 /// The rim of a patch of an element as closed polylines, posed.
 std::vector<std::vector<Vec3>> rimOf(Session& session, PartId element, const std::vector<std::int32_t>& triangles);
 
-/// The end of a bone nearest to the pointer, within `pixels` of it. Of several ends at one joint point the one that is held already is
-/// taken, then the end (not the start) of the oldest bone.
+/// The ends of bones within `pixels` of the pointer, one for each joint point: the nearest first, and of those about as near the one in front. Of several ends at one
+/// joint point it is the one that is held already, then the end (not the start) of the oldest bone.
+std::vector<EndpointRef> endpointsUnder(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+/// The one of them that is meant: the first, or as many later as `e.behind` says.
 std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
 
 /// The handle under the pointer: one whose disc is seen there, or whose middle is within `pixels` of it and not behind a body.

@@ -323,12 +323,12 @@ void PoseTool::cancel() {
 QString PoseTool::hint() const {
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (drag_ && drag_->passing)
-        return drag_->passing->kept ? ToolTexts::tr("This handle is kept · K: let it pass · R or wheel: turn · Esc: cancel")
-                                    : ToolTexts::tr("Passing handle · K: keep it · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
+        return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
+                                    : ToolTexts::tr("Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
     if (drag_) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
     const Document& d = document_.document();
-    if (letGo_) return ToolTexts::tr("K: bring the passing handle back and keep it");
-    if (overFlesh_) return ToolTexts::tr("Drag: pull the flesh by a passing handle");
+    if (letGo_) return ToolTexts::tr("K: bring the temporary handle back and keep it");
+    if (overFlesh_) return ToolTexts::tr("Drag: pull the body here");
     const bool handles = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
     if (d.bones.empty() && !handles) return ToolTexts::tr("There are no bones and no handles yet. Place them with their tools.");
     if (hovered_) return ToolTexts::tr("Drag: pose · P: pin · Double click: let go");

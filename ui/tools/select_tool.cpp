@@ -88,9 +88,10 @@ bool removeSelection(StudioDocument& document) {
 
 void SelectTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton || busy()) return;
+    // What is selected is what is meant.
+    if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     const auto item = pickItem(document_.session(), e);
     if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
-    if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     if (!(e.modifiers & Qt::ShiftModifier) && !(item && isBone(*item)) && part_.press(e)) return;
     auto before = document_.selection();
     selectByClick(document_, item, e.modifiers);
@@ -113,7 +114,7 @@ void SelectTool::move(const PointerEvent& e) {
         pose_.move(e);
     } else if (e.buttons == Qt::NoButton) {
         const auto item = pickItem(document_.session(), e);
-        overCut_ = !(item && isGrip(document_, *item)) && cut_.over(e);
+        overCut_ = cut_.over(e);
         if (overCut_ || (item && (isGrip(document_, *item) || isBone(*item))))
             part_.leave();
         else

@@ -16,7 +16,7 @@
 
 namespace imomushi {
 
-/// A pointer event in the viewport, in logical pixels, with the ray under it.
+/// A pointer event in the viewport, with the ray under it. Pixels are those of the design: logical pixels over the scale of the interface, so that what can be taken hold of grows with it.
 struct PointerEvent {
     double x = 0, y = 0;
     Qt::MouseButton button = Qt::NoButton;
@@ -26,11 +26,12 @@ struct PointerEvent {
     Vec3 rayDirection = Vec3::UnitZ(); ///< unit
     Vec3 viewForward = -Vec3::UnitZ(); ///< unit, for dragging in the plane of the screen
     Vec3 viewRight = Vec3::UnitX();    ///< unit
-    double pixelAngle = 0.001;         ///< metres that a logical pixel covers per metre of depth (perspective; 0 otherwise)
-    double pixelSize = 0.0;            ///< metres that a logical pixel covers at any depth (orthographic; 0 otherwise)
+    double pixelAngle = 0.001;         ///< metres that a pixel covers per metre of depth (perspective; 0 otherwise)
+    double pixelSize = 0.0;            ///< metres that a pixel covers at any depth (orthographic; 0 otherwise)
     bool bonesVisible = true;          ///< false: bones are hidden and not picked
+    int behind = 0;                    ///< of several ends of bones there, so many are passed over
 
-    /// Metres that a logical pixel covers at `p`.
+    /// Metres that a pixel covers at `p`.
     [[nodiscard]] double pixelAt(const Vec3& p) const {
         return pixelSize + pixelAngle * std::max(1e-9, viewForward.dot(p - rayOrigin));
     }
@@ -43,7 +44,7 @@ struct PointerEvent {
     }
     /// How fast a drag follows the pointer: Shift slows it to a tenth.
     [[nodiscard]] double pace() const { return (modifiers & Qt::ShiftModifier) ? 0.1 : 1.0; }
-    /// Where `p` is seen, logical pixels; none: behind the eye.
+    /// Where `p` is seen, pixels of the design; none: behind the eye.
     [[nodiscard]] std::optional<Eigen::Vector2d> onScreen(const Vec3& p) const {
         const double depth = viewForward.dot(p - rayOrigin);
         if (!(depth > 0.0)) return std::nullopt;
@@ -90,7 +91,7 @@ public:
     [[nodiscard]] virtual QString hint() const = 0;
     /// Adds what the tool shows to the scene (previews, handles).
     virtual void decorate(render::Scene&) const {}
-    /// A box that is being dragged over the viewport, logical pixels.
+    /// A box that is being dragged over the viewport, pixels of the design.
     [[nodiscard]] virtual std::optional<QRectF> box() const { return std::nullopt; }
 
 protected:

@@ -9,6 +9,7 @@
 namespace imomushi {
 namespace {
 
+// Pixels of the design.
 constexpr double kSide = 92.0, kMargin = 10.0, kEndRadius = 9.5;
 
 struct End {
@@ -29,7 +30,9 @@ const std::array<End, 6>& ends() {
     return all;
 }
 
-double reach(const QRectF& area) { return area.width() / 2.0 - kEndRadius - 2.0; }
+double scaleOf(const QRectF& area) { return area.width() / kSide; }
+
+double reach(const QRectF& area) { return area.width() / 2.0 - (kEndRadius + 2.0) * scaleOf(area); }
 
 QPointF placeOf(const Eigen::Matrix3d& axes, const QRectF& area, const Vec3& direction) {
     const Vec3 c = axes.transpose() * direction;
@@ -47,7 +50,10 @@ std::array<std::size_t, 6> byDepth(const Eigen::Matrix3d& axes) {
 
 }  // namespace
 
-QRectF AxisBall::area(double viewportWidth) { return {viewportWidth - kSide - kMargin, kMargin, kSide, kSide}; }
+QRectF AxisBall::area(double viewportWidth, double scale) {
+    const double side = scale * kSide, margin = scale * kMargin;
+    return {viewportWidth - side - margin, margin, side, side};
+}
 
 bool AxisBall::contains(const QRectF& area, const QPointF& p) {
     const QPointF d = p - area.center();
@@ -58,13 +64,14 @@ std::optional<ViewAxis> AxisBall::hit(const Eigen::Matrix3d& axes, const QRectF&
     const auto order = byDepth(axes);
     for (auto i = order.rbegin(); i != order.rend(); ++i) {
         const QPointF d = p - placeOf(axes, area, ends()[*i].direction);
-        if (std::hypot(d.x(), d.y()) <= kEndRadius + 1.5) return ends()[*i].view;
+        if (std::hypot(d.x(), d.y()) <= (kEndRadius + 1.5) * scaleOf(area)) return ends()[*i].view;
     }
     return std::nullopt;
 }
 
 void AxisBall::paint(QPainter& painter, const Eigen::Matrix3d& axes, const QRectF& area, std::optional<ViewAxis> hovered, bool inside,
                      bool dark) {
+    const double scale = scaleOf(area);
     painter.save();
     painter.setRenderHint(QPainter::Antialiasing);
     if (inside) {
@@ -74,7 +81,7 @@ void AxisBall::paint(QPainter& painter, const Eigen::Matrix3d& axes, const QRect
     }
     QFont font = painter.font();
     font.setBold(true);
-    font.setPixelSize(11);
+    font.setPixelSize(int(std::lround(11.0 * scale)));
     painter.setFont(font);
     for (const std::size_t i : byDepth(axes)) {
         const End& end = ends()[i];
@@ -84,15 +91,15 @@ void AxisBall::paint(QPainter& painter, const Eigen::Matrix3d& axes, const QRect
         QColor color = end.color;
         color.setAlphaF(float(0.55 + 0.45 * nearness));
         if (end.letter) {
-            painter.setPen(QPen(color, 2.2));
+            painter.setPen(QPen(color, 2.2 * scale));
             painter.drawLine(area.center(), at);
         }
         const bool lit = hovered == end.view;
-        painter.setPen(QPen(lit ? QColor(Qt::white) : color, 1.6));
+        painter.setPen(QPen(lit ? QColor(Qt::white) : color, 1.6 * scale));
         QColor fill = color;
         if (!end.letter) fill.setAlphaF(float(lit ? 0.75 : 0.28));
         painter.setBrush(fill);
-        const double radius = end.letter ? kEndRadius : kEndRadius - 2.5;
+        const double radius = scale * (end.letter ? kEndRadius : kEndRadius - 2.5);
         painter.drawEllipse(at, radius, radius);
         if (end.letter) {
             painter.setPen(QColor(20, 22, 26));

@@ -14,8 +14,8 @@ namespace imomushi {
 /// The ball in the corner of the viewport that shows where the axes point; a click on one of its ends looks along it.
 class AxisBall {
 public:
-    /// `area`: square in logical pixels.
-    static QRectF area(double viewportWidth);
+    /// A square in logical pixels; `scale`: of the interface.
+    static QRectF area(double viewportWidth, double scale);
     /// The end of an axis that is drawn at `p` (the nearest to the viewer), if any.
     static std::optional<ViewAxis> hit(const Eigen::Matrix3d& axes, const QRectF& area, const QPointF& p);
     /// Inside the ball, where a drag orbits.

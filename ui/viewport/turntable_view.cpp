@@ -11,6 +11,7 @@
 #include "ui/models/texts.h"
 #include "ui/scene/framing.h"
 #include "ui/viewport/picture_warm_up.h"
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 
@@ -35,7 +36,7 @@ QImage TurntableView::drawn(const QSize& size, double fill) {
     const int width = int(std::lround(size.width() * ratio)), height = int(std::lround(size.height() * ratio));
     if (scene_.bodies.empty() || width < 1 || height < 1) return {};
     scene_.darkTheme = palette().color(QPalette::Window).lightnessF() < 0.5f;
-    scene_.pixelRatio = float(ratio);
+    scene_.pixelRatio = float(ratio * Appearance::instance().scale());
     scene_.camera = framed(scene_, -camera_.axes().col(2), double(width) / height, fill);
     const auto pixels = renderer_.draw(scene_, width, height);
     if (!pixels) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ui/viewport/axis_ball.h"
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kPinchPerNotch = 0.128;
 
 }  // namespace
 
-QRectF ViewNavigator::ball() const { return AxisBall::area(camera_.width()); }
+QRectF ViewNavigator::ball() const { return AxisBall::area(camera_.width(), Appearance::instance().scale()); }
 
 bool ViewNavigator::takes(QPointF p, Qt::MouseButton button, Qt::KeyboardModifiers modifiers) const {
     return (button == Qt::LeftButton && AxisBall::contains(ball(), p)) || navigationOf(preset_, button, modifiers) != Navigation::None;

@@ -4,6 +4,7 @@
 #include <QFontMetricsF>
 #include <QLocale>
 #include <QPainter>
+#include <algorithm>
 
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
@@ -19,6 +20,7 @@ constexpr float kBoxOpacity = 0.12f;
 
 void ViewOverlay::paint(QPainter& painter, StudioDocument& document) const {
     if (box) paintBox(painter);
+    if (!tag.isEmpty()) paintTag(painter);
     if (!banner.isEmpty()) paintPill(painter, banner, false);
     else if (deck) paintTake(painter, document);
     if (deck && deck->counting()) paintCountdown(painter);
@@ -31,6 +33,19 @@ void ViewOverlay::paintBox(QPainter& painter) const {
     painter.setBrush(fill);
     painter.drawRect(*box);
     painter.setBrush(Qt::NoBrush);
+}
+
+// Below the pointer, and within the view.
+void ViewOverlay::paintTag(QPainter& painter) const {
+    const QFontMetricsF metrics(painter.font());
+    const double high = metrics.height() * 1.4, wide = metrics.horizontalAdvance(tag) + 0.8 * high;
+    const QRectF plate(std::clamp(pointer.x() + high, 0.0, std::max(0.0, size.width() - wide)), std::clamp(pointer.y() + 0.6 * high, 0.0, std::max(0.0, size.height() - high)), wide, high);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(dark ? QColor(20, 22, 26, 215) : QColor(255, 255, 255, 230));
+    painter.drawRoundedRect(plate, 0.25 * high, 0.25 * high);
+    painter.setPen(dark ? QColor(Qt::white) : QColor(31, 36, 33));
+    painter.drawText(plate, Qt::AlignCenter, tag);
 }
 
 void ViewOverlay::paintTake(QPainter& painter, StudioDocument& document) const {

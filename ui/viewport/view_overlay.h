@@ -21,14 +21,17 @@ struct ViewOverlay {
     std::optional<QRectF> box;  ///< a selection box that is being dragged
     QString banner;             ///< what the tool says; empty: nothing
     const TakeDeck* deck = nullptr;  ///< null: no takes
+    QString tag;                ///< beside the pointer; empty: none
+    QPointF pointer;            ///< logical pixels
 
-    /// The box, what the tool says, the take that is shown or recorded, and the seconds until a recording starts.
+    /// The box, the tag, what the tool says, the take that is shown or recorded, and the seconds until a recording starts.
     void paint(QPainter& painter, StudioDocument& document) const;
 
 private:
     void paintBox(QPainter& painter) const;
     /// A line of text at the upper edge; red, with a dot before it, while recording.
     void paintPill(QPainter& painter, const QString& text, bool recording) const;
+    void paintTag(QPainter& painter) const;
     void paintTake(QPainter& painter, StudioDocument& document) const;
     void paintCountdown(QPainter& painter) const;
 };

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The events of the viewport: to the camera, to the tool, or to the menu.
+#include <QApplication>
 #include <QContextMenuEvent>
 #include <QElapsedTimer>
 #include <QKeyEvent>
+#include <QKeySequenceEdit>
+#include <QLineEdit>
 #include <QMenu>
 #include <QMouseEvent>
 #include <QNativeGestureEvent>
 #include <QWheelEvent>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -16,6 +20,8 @@
 #include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 #include "ui/viewport/viewport_widget.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/number_field.h"
 
 namespace imomushi {
 namespace {
@@ -36,10 +42,29 @@ PointerEvent ViewportWidget::pointer(QPointF position, Qt::MouseButton button, Q
     e.buttons = buttons;
     e.modifiers = modifiers;
     e.bonesVisible = sceneOptions().bones;
+    if (behind_ && near(behind_->at, position)) e.behind = behind_->count;
     CameraController camera = camera_;
     camera.setViewport(width(), height());
     camera.aim(e);
+    // Tools think in pixels of the design.
+    const double scale = Appearance::instance().scale();
+    e.x /= scale;
+    e.y /= scale;
+    e.pixelAngle *= scale;
+    e.pixelSize *= scale;
     return e;
+}
+
+bool ViewportWidget::near(QPointF a, QPointF b) const {
+    const QPointF d = a - b;
+    return std::hypot(d.x(), d.y()) < kDragPixels * Appearance::instance().scale();
+}
+
+void ViewportWidget::takeBehind() {
+    const int passed = behind_ && near(behind_->at, at_) ? behind_->count : 0;
+    behind_ = Behind{at_, (passed + 1) % overlapping_};
+    move_.reset();
+    withTool([&](Tool& tool) { tool.move(pointer(at_, Qt::NoButton, Qt::NoButton, {})); });
 }
 
 template <class Act>
@@ -67,7 +92,11 @@ void ViewportWidget::giveMove() {
     const auto e = std::exchange(move_, std::nullopt);
     if (!e) return;
     sinceMove_.start();
-    withTool([&](Tool& tool) { tool.move(*e); });
+    withTool([&](Tool& tool) {
+        tool.move(*e);
+        const auto& hovered = document_.hovered();
+        if (!tool.busy()) overlapping_ = hovered && hovered->kind == SelectionItem::Kind::Endpoint ? int(endpointsUnder(document_.session(), *e).size()) : 0;
+    });
 }
 
 // While something is unfinished, its keys belong to the tool and not to the menu.
@@ -82,6 +111,13 @@ bool ViewportWidget::event(QEvent* e) {
         case QEvent::ShortcutOverride:
             if (belongsToTool(*static_cast<QKeyEvent*>(e))) {
                 e->accept();
+                return true;
+            }
+            break;
+        case QEvent::KeyPress:
+            // Before it takes the focus elsewhere.
+            if (const auto* key = static_cast<QKeyEvent*>(e); key->key() == Qt::Key_Tab && key->modifiers() == Qt::NoModifier && overlapping_ > 1 && !tool_->busy()) {
+                takeBehind();
                 return true;
             }
             break;
@@ -112,6 +148,8 @@ bool ViewportWidget::event(QEvent* e) {
 
 void ViewportWidget::mousePressEvent(QMouseEvent* e) {
     giveMove();
+    at_ = pressedAt_ = e->position();
+    again_ = false;
     const bool right = e->button() == Qt::RightButton;
     if (tool_->busy()) {
         if (right) {
@@ -130,11 +168,17 @@ void ViewportWidget::mousePressEvent(QMouseEvent* e) {
         swallowMenu_ = true;
         return;
     }
-    withTool([&](Tool& tool) { tool.press(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
+    const PointerEvent pressed = pointer(e->position(), e->button(), e->buttons(), e->modifiers());
+    if (e->button() == Qt::LeftButton && e->modifiers() == Qt::NoModifier && (kind_ == ToolKind::Select || kind_ == ToolKind::Pose)) {
+        const auto end = pickEndpoint(document_.session(), pressed);
+        again_ = end && document_.selection() == std::vector{SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd}};
+    }
+    withTool([&](Tool& tool) { tool.press(pressed); });
 }
 
 void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
-    const QPointF p = e->position();
+    const QPointF p = at_ = e->position();
+    if (behind_ && !near(behind_->at, p)) behind_.reset();
     if (navigator_.active()) {
         navigator_.drag(p);
         return redraw();
@@ -160,6 +204,12 @@ void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
         return redraw();
     }
     withTool([&](Tool& tool) { tool.release(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
+    // A second click takes what is behind.
+    if (!std::exchange(again_, false) || tool_->busy() || !near(e->position(), pressedAt_)) return;
+    overlapping_ = int(endpointsUnder(document_.session(), pointer(e->position(), Qt::NoButton, Qt::NoButton, {})).size());
+    if (overlapping_ < 2) return;
+    takeBehind();
+    if (const auto end = pickEndpoint(document_.session(), pointer(at_, Qt::NoButton, Qt::NoButton, {}))) document_.select({{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd}});
 }
 
 void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* e) {
@@ -213,9 +263,18 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
     menu.exec(e->globalPos());
 }
 
+// Keys work where the hand is: whoever moves the pointer here means the view, unless words are being typed.
+void ViewportWidget::enterEvent(QEnterEvent* e) {
+    QWidget::enterEvent(e);
+    const QWidget* typing = QApplication::focusWidget();
+    const bool words = (qobject_cast<const QLineEdit*>(typing) && !qobject_cast<const NumberField*>(typing)) || qobject_cast<const QKeySequenceEdit*>(typing);
+    if (!words && isActiveWindow() && QApplication::mouseButtons() == Qt::NoButton && !QApplication::activePopupWidget()) setFocus(Qt::OtherFocusReason);
+}
+
 void ViewportWidget::leaveEvent(QEvent* e) {
     if (!tool_->busy()) {
         move_.reset();
+        overlapping_ = 0;
         tool_->leave();
         document_.setHovered(std::nullopt);
         updateHint();

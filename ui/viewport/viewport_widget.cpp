@@ -10,10 +10,14 @@
 
 #include "core/mesh/bounds.h"
 #include "ui/models/failures.h"
+#include "ui/models/paths.h"
 #include "ui/models/texts.h"
+#include "ui/render/image.h"
+#include "ui/render/offscreen.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/proposal_tool.h"
 #include "ui/viewport/view_overlay.h"
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {
@@ -178,12 +182,20 @@ void ViewportWidget::cancel() {
 }
 
 QString ViewportWidget::hint() const {
-    const QString tool = tool_->hint();
+    QString tool = tool_->hint();
+    const QString name = overlapped();
+    if (!name.isEmpty()) tool = tr("“%1”, one of %2 ends here · Tab or a second click: the next", "the end of a bone").arg(name).arg(overlapping_) + QStringLiteral(" · ") + tool;
     if (tool_->pending() || tool.size() > kLongHint) return tool;
     const QString view = navigator_.preset() == NavigationPreset::Blender
                              ? tr("Middle: orbit · Shift+middle: pan · Wheel: zoom")
                              : tr("Alt+left: orbit · Alt+middle: pan · Wheel: zoom");
     return tool.isEmpty() ? view : tool + QStringLiteral("   |   ") + view;
+}
+
+QString ViewportWidget::overlapped() const {
+    const auto& hovered = document_.hovered();
+    if (overlapping_ < 2 || tool_->busy() || !hovered || hovered->kind != SelectionItem::Kind::Endpoint) return {};
+    return QString::fromStdString(pathOf(document_.document(), *hovered));
 }
 
 void ViewportWidget::updateHint() {
@@ -334,6 +346,27 @@ QImage ViewportWidget::grabFramebuffer() {
     return canvas_ ? canvas_->grabFramebuffer() : QImage();
 }
 
+Result<void> ViewportWidget::writePicture(const QString& path, const Picture& picture) {
+    SceneOptions options = sceneOptions();
+    options.bones = options.bones && picture.markers;
+    options.faces = options.faces && picture.markers;
+    options.marked = nullptr;
+    options.selected.clear();
+    options.hovered = 0;
+    render::Scene scene;
+    DocumentScene().update(document_.session(), options, scene);
+    if (!picture.markers) scene.markers.clear();
+    scene.camera = camera_.camera();
+    scene.grid = grid_ && picture.ground;
+    scene.groundShadow = picture.ground;
+    scene.darkTheme = dark();
+    scene.transparentBackground = picture.transparent;
+    scene.pixelRatio = float(Appearance::instance().scale() * picture.size.height() / std::max(height(), 1));
+    const auto rows = render::drawOffscreen(scene, picture.size.width(), picture.size.height());
+    if (!rows) return tl::unexpected(rows.error());
+    return render::writePng(path.toStdString(), *rows, picture.size.width(), picture.size.height());
+}
+
 void ViewportWidget::resizeEvent(QResizeEvent* e) {
     QWidget::resizeEvent(e);
     camera_.setViewport(width(), height());
@@ -414,7 +447,7 @@ void ViewportWidget::paint() {
     scene_.camera = camera_.camera();
     scene_.grid = grid_;
     scene_.darkTheme = dark();
-    scene_.pixelRatio = float(devicePixelRatioF());
+    scene_.pixelRatio = float(devicePixelRatioF() * Appearance::instance().scale());
     // Frames follow each other while something moves, by itself or by hand.
     const bool moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
     scene_.smooth = quality_ == PictureQuality::Fine || (!moving && (smooth_ || (quality_ == PictureQuality::Automatic && !renderer.software())));
@@ -432,7 +465,9 @@ void ViewportWidget::paint() {
     }
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
-    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), tool_->box(), tool_->banner(), deck_}.paint(painter, document_);
+    auto box = tool_->box();
+    if (const double scale = Appearance::instance().scale(); box) box = QRectF(box->topLeft() * scale, box->size() * scale);
+    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tool_->banner(), deck_, overlapped(), at_}.paint(painter, document_);
     painter.end();
 
     if (fade_.active()) redraw();

@@ -60,6 +60,15 @@ public:
     void frameAll(bool animate = true);
     /// Frames what is selected; everything where nothing is.
     void frameSelection(bool animate = true);
+    /// What a picture of the view shows, from where it is seen now.
+    struct Picture {
+        QSize size;                ///< pixels
+        bool transparent = false;  ///< where there is nothing: as PNG's alpha says
+        bool markers = false;      ///< bones, handles and joint faces, as far as they are shown
+        bool ground = true;
+    };
+    /// Writes a picture as a PNG file. Nothing is selected in it. Errors: "no-opengl", "bad-size", "out-of-memory", "not-writable".
+    Result<void> writePicture(const QString& path, const Picture& picture);
     void setNavigationPreset(NavigationPreset preset);
     [[nodiscard]] NavigationPreset navigationPreset() const { return navigator_.preset(); }
     /// What deforms vertices: the GPU what it can and the processor the rest, or the processor all. Automatic: the GPU, unless OpenGL is software.
@@ -125,6 +134,7 @@ protected:
     void keyReleaseEvent(QKeyEvent* e) override;
     void contextMenuEvent(QContextMenuEvent* e) override;
     void focusOutEvent(QFocusEvent* e) override;
+    void enterEvent(QEnterEvent* e) override;
     void leaveEvent(QEvent* e) override;
     void resizeEvent(QResizeEvent* e) override;
     void hideEvent(QHideEvent* e) override;
@@ -148,6 +158,7 @@ private:
     void structureChanged();
     void poseChanged();
     void updateHint();
+    [[nodiscard]] QString overlapped() const;  ///< the end of a bone that would be taken, where others are too; empty: there is one at most
     void showMessage(const QString& text);
     void switchOption(bool& option, bool on);
     // viewport_input.cpp
@@ -159,6 +170,9 @@ private:
     void giveMove();
     [[nodiscard]] bool belongsToTool(const QKeyEvent& key) const;
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
+    /// Takes the end of a bone that is behind the one under the pointer, from now on until the pointer goes elsewhere.
+    void takeBehind();
+    [[nodiscard]] bool near(QPointF a, QPointF b) const;  ///< no further than a click moves
 
     StudioDocument& document_;
     TakeDeck* deck_ = nullptr;
@@ -173,6 +187,14 @@ private:
     DeformOn deformOn_ = DeformOn::Automatic;
     PictureQuality quality_ = PictureQuality::Automatic;
     bool swallowMenu_ = false;
+    QPointF at_, pressedAt_;            ///< the pointer, and where its button was pressed last, logical pixels
+    int overlapping_ = 0;               ///< ends of bones under the pointer
+    struct Behind {
+        QPointF at;                     ///< logical pixels
+        int count = 0;                  ///< see PointerEvent::behind
+    };
+    std::optional<Behind> behind_;
+    bool again_ = false;                ///< what the button was pressed on was selected already
     std::optional<PointerEvent> move_;  ///< that the tool has not heard of yet
     QElapsedTimer sinceMove_;           ///< since it heard of one
     QTimer nextMove_;

@@ -9,6 +9,8 @@
 namespace imomushi {
 namespace {
 
+constexpr const char* kWhy = "why";
+
 QString settingsKey(const QByteArray& id) { return QStringLiteral("shortcuts/") + QString::fromLatin1(id); }
 
 }  // namespace
@@ -47,8 +49,23 @@ void ActionSet::retranslate() {
         const QString text = QCoreApplication::translate(context_, entry.text), plain = withoutMnemonic(text);
         entry.action->setText(text);
         entry.action->setIconText(plain);
-        const QString keys = entry.action->shortcut().toString(QKeySequence::NativeText);
-        entry.action->setToolTip(keys.isEmpty() ? plain : QStringLiteral("%1  (%2)").arg(plain, keys));
+        tellTip(entry);
+    }
+}
+
+void ActionSet::tellTip(const Entry& entry) {
+    const QString keys = entry.action->shortcut().toString(QKeySequence::NativeText), why = whyDisabled(*entry.action);
+    QString tip = entry.action->iconText();
+    if (!keys.isEmpty()) tip += QStringLiteral("  (%1)").arg(keys);
+    entry.action->setToolTip(why.isEmpty() ? tip : tip + u'\n' + why);
+}
+
+void ActionSet::allow(const char* id, bool allowed, const QString& why) {
+    for (const Entry& entry : entries_) {
+        if (entry.id != id) continue;
+        entry.action->setProperty(kWhy, allowed ? QString() : why);
+        entry.action->setEnabled(allowed);
+        tellTip(entry);
     }
 }
 
@@ -65,6 +82,8 @@ void ActionSet::resetShortcuts() {
     }
     retranslate();
 }
+
+QString whyDisabled(const QAction& action) { return action.isEnabled() ? QString() : action.property(kWhy).toString(); }
 
 QString withoutMnemonic(QString text) {
     if (const auto at = text.indexOf(QStringLiteral("(&")); at >= 0) text.remove(at, 4);

@@ -22,6 +22,9 @@ public:
     [[nodiscard]] QAction* operator[](const char* id) const;
     [[nodiscard]] QList<QAction*> all() const;
 
+    /// Lets an action be done, or says in one sentence why it cannot be done now (translated).
+    void allow(const char* id, bool allowed, const QString& why);
+
     void retranslate();
 
     struct Entry {
@@ -36,11 +39,15 @@ public:
     void resetShortcuts();
 
 private:
+    void tellTip(const Entry& entry);
+
     QWidget* window_;
     const char* context_;
     std::vector<Entry> entries_;
 };
 
+/// Why an action cannot be done now, one sentence; empty: it can, or nobody said.
+QString whyDisabled(const QAction& action);
 /// The text of an action without the mark of its mnemonic: "&Save…" and "保存(&S)…" -> "Save…", "保存…".
 QString withoutMnemonic(QString text);
 /// The same without the ellipsis, as a name: "Save", "保存".

@@ -120,7 +120,8 @@ QToolButton[small="true"]:focus { padding: 2px; }
 QToolButton[link="true"] { color: @muted; padding: 3px 8px; border-radius: 5px; }
 QToolButton[link="true"]:hover { color: @text; }
 
-QDockWidget { titlebar-close-icon: none; color: @muted; }
+QDockWidget { titlebar-close-icon: url(@close-icon); color: @text; }
+QDockWidget::title { background: @panel; text-align: left; padding: 6px 12px; }
 QDockWidget > QWidget { background: @panel; }
 QTabBar { background: transparent; qproperty-drawBase: 0; }
 QTabBar::tab { background: transparent; color: @muted; padding: 7px 13px; border: none; border-bottom: 2px solid transparent; }
@@ -356,6 +357,7 @@ void Appearance::apply() {
         {"@checkmark-icon", image("check", color(Role::OnAccent))},
         {"@right-icon", image("chevron-right", muted)},
         {"@down-icon", image("chevron-down", muted)},
+        {"@close-icon", image("close", muted)},
         {"@titlept", QStringLiteral("%1pt").arg(basePointSize_ * scale_ * 1.25)},
         {"@hugept", QStringLiteral("%1pt").arg(basePointSize_ * scale_ * 2.1)},
         {"@onaccent", color(Role::OnAccent).name()},

@@ -7,6 +7,7 @@
 #include <QMouseEvent>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ui/widgets/appearance.h"
 
@@ -121,13 +122,31 @@ void NumberField::mouseReleaseEvent(QMouseEvent* event) {
         return;
     }
     pressed_ = false;
-    if (dragging_) {
-        dragging_ = false;
-        releaseKeyboard();
-        Q_EMIT editEnded(true);
-        return;
-    }
+    if (dragging_) return endDrag(true);
     setFocus(Qt::MouseFocusReason);
+}
+
+void NumberField::endDrag(bool keep) {
+    pressed_ = false;
+    if (!std::exchange(dragging_, false)) return;
+    releaseKeyboard();
+    Q_EMIT editEnded(keep);
+}
+
+// The button is let go elsewhere: what was reached stands.
+void NumberField::hideEvent(QHideEvent* event) {
+    endDrag(true);
+    QLineEdit::hideEvent(event);
+}
+
+bool NumberField::event(QEvent* event) {
+    // While a number is dragged keys belong to it, not to the window: they would end the drag in the middle.
+    if (event->type() == QEvent::ShortcutOverride && dragging_) {
+        event->accept();
+        return true;
+    }
+    if (event->type() == QEvent::WindowDeactivate) endDrag(true);
+    return QLineEdit::event(event);
 }
 
 void NumberField::mouseDoubleClickEvent(QMouseEvent* event) {
@@ -137,19 +156,14 @@ void NumberField::mouseDoubleClickEvent(QMouseEvent* event) {
 
 void NumberField::keyPressEvent(QKeyEvent* event) {
     if (dragging_) {
-        if (event->key() == Qt::Key_Escape) {
-            pressed_ = dragging_ = false;
-            releaseKeyboard();
-            Q_EMIT editEnded(false);
-        }
+        if (event->key() == Qt::Key_Escape) endDrag(false);
         return;
     }
     switch (event->key()) {
         case Qt::Key_Return:
         case Qt::Key_Enter:
             commitText();
-            typing_ = true;
-            selectAll();
+            clearFocus();  // what is typed next is meant for the view
             return;
         case Qt::Key_Escape:
             typing_ = false;

@@ -38,10 +38,13 @@ protected:
     void focusInEvent(QFocusEvent* event) override;
     void focusOutEvent(QFocusEvent* event) override;
     void changeEvent(QEvent* event) override;
+    void hideEvent(QHideEvent* event) override;
+    bool event(QEvent* event) override;
 
 private:
     void showText();
     void commitText();
+    void endDrag(bool keep);
     void set(double value);
     void once(double value);
     [[nodiscard]] std::optional<double> parse() const;

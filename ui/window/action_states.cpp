@@ -44,31 +44,35 @@ void ActionStates::update() {
     const Session& session = document_.session();
     const auto& selection = document_.selection();
     const auto count = [&](auto... kinds) { return std::count_if(selection.begin(), selection.end(), [&](const SelectionItem& i) { return ((i.kind == kinds) || ...); }); };
-    a["delete"]->setEnabled(count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0);
-    a["versions"]->setEnabled(!session.path().empty());
-    a["rename"]->setEnabled(selection.size() == 1 && selection.front().kind != Kind::Endpoint);
-    a["duplicate"]->setEnabled(canDuplicate(document_));
-    for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a[id]->setEnabled(canMirror(document_));
-    a["replace-mesh"]->setEnabled(!replaceable(document_).name.empty());
+    const QString nothing = tr("Select something first."), noCharacter = tr("There is no character: import one, or select one of several."), working = tr("Wait until what runs is done, or cancel it.");
+    a.allow("delete", count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0, nothing);
+    a.allow("versions", !session.path().empty(), tr("Versions are kept once the project is saved."));
+    a.allow("rename", selection.size() == 1 && selection.front().kind != Kind::Endpoint, tr("Select one thing that has a name."));
+    a.allow("duplicate", canDuplicate(document_), tr("Select an element, a character or a bone first."));
+    for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a.allow(id, canMirror(document_), tr("Select an element, a character or a bone first."));
+    a.allow("replace-mesh", !replaceable(document_).name.empty(), tr("Select one character, or one element of its own."));
     const CharacterSource* character = chosenCharacter(document_);
-    const bool idle = !steps_.running(), soften = character && idle && canBecomeSoft(d, *character);
-    a["make-soft"]->setEnabled(soften);
-    a["make-soft-bones"]->setEnabled(soften && character->rig && !character->rig->bones.empty());
-    a["import-skeleton"]->setEnabled(character && idle);
-    a["import-clips"]->setEnabled(character && idle && character->rig && !character->rig->bones.empty());
-    a["propose"]->setEnabled(soften);
-    a["hide"]->setEnabled(count(Kind::Element) > 0);
-    a["join"]->setEnabled(count(Kind::Face) == 2);
+    const bool idle = !steps_.running(), rigged = character && character->rig && !character->rig->bones.empty(), soften = character && idle && canBecomeSoft(d, *character);
+    const QString notSoft = !character ? noCharacter : !idle ? working : tr("It is soft already: it has cuts, bones or handles.");
+    const QString noBones = tr("Its file has no skeleton. “Import skeleton” brings one.");
+    a.allow("make-soft", soften, notSoft);
+    a.allow("make-soft-bones", soften && rigged, soften ? noBones : notSoft);
+    a.allow("import-skeleton", character && idle, character ? working : noCharacter);
+    a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
+    a.allow("propose", soften, notSoft);
+    a.allow("hide", count(Kind::Element) > 0, tr("Select an element first."));
+    a.allow("join", count(Kind::Face) == 2, tr("Select the two joint faces that are to be joined: one, and with Shift the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
-    a["pin"]->setEnabled(handles || count(Kind::Endpoint, Kind::Bone) > 0);
+    a.allow("pin", handles || count(Kind::Endpoint, Kind::Bone) > 0, tr("Select a bone, the end of one, or a handle first."));
     const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
-    a["release"]->setEnabled(held);
-    a["rest"]->setEnabled(held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty());
-    for (const char* id : {"select-all", "export", "write-mesh"}) a[id]->setEnabled(!d.elements.empty());
+    a.allow("release", held, tr("Nothing is held."));
+    a.allow("rest", held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty(), tr("It is at rest."));
+    for (const char* id : {"select-all", "export", "write-mesh", "picture"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
     });
-    a["precompute"]->setEnabled(stale && !precompute_.running());
+    const bool faces = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->faces.empty(); });
+    a.allow("precompute", stale && !precompute_.running(), precompute_.running() ? tr("It is precomputing.") : faces ? tr("Everything is precomputed already.") : tr("There is nothing to precompute: no element has a joint face or a handle."));
     updateSteps();
     updateTakes();
     a[kThemeActions[std::size_t(Appearance::instance().theme())]]->setChecked(true);
@@ -79,8 +83,8 @@ void ActionStates::update() {
 void ActionStates::updateSteps() {
     const Session& session = document_.session();
     const int position = session.position(), steps = int(session.steps().size());
-    actions_["undo"]->setEnabled(position > 0);
-    actions_["redo"]->setEnabled(position < steps);
+    actions_.allow("undo", position > 0, tr("There is nothing to undo."));
+    actions_.allow("redo", position < steps, tr("There is nothing to redo."));
     const auto tell = [&](const char* id, const QString& text, int i) {
         if (i < 0 || i >= steps) return;
         const auto& step = session.steps()[std::size_t(i)];
@@ -93,15 +97,17 @@ void ActionStates::updateSteps() {
 void ActionStates::updateTakes() {
     ActionSet& a = actions_;
     const bool chosen = deck_.take() && !deck_.recording();
-    a["record"]->setEnabled(deck_.canRecord());
+    a.allow("record", deck_.canRecord(), tr("There is nothing that could be performed: open a sample, or make a character soft."));
     const CharacterSource* character = chosenCharacter(document_);
     // Bones move as a clip does, and morph targets without any.
     const auto plays = [&](const RigClip& clip) { return !clip.morphs.empty() || !document_.document().bones.empty(); };
-    a["take-clip"]->setEnabled(character && character->rig && std::any_of(character->rig->clips.begin(), character->rig->clips.end(), plays) && !deck_.recording() && !steps_.running());
-    for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a[id]->setEnabled(chosen);
-    for (const char* id : {"mark-none", "trim-take"}) a[id]->setEnabled(chosen && deck_.marked());
+    a.allow("take-clip", character && character->rig && std::any_of(character->rig->clips.begin(), character->rig->clips.end(), plays) && !deck_.recording() && !steps_.running(),
+            tr("The character has no clips that its bones could play."));
+    const QString noTake = deck_.recording() ? tr("A take is being recorded.") : tr("There is no take yet: record one.");
+    for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a.allow(id, chosen, noTake);
+    for (const char* id : {"mark-none", "trim-take"}) a.allow(id, chosen && deck_.marked(), chosen ? tr("The whole take is played: set a mark first.") : noTake);
+    a.allow("leave-take", deck_.shown(), tr("No take is shown."));
     a["count-in"]->setChecked(deck_.countsIn());
-    a["leave-take"]->setEnabled(deck_.shown());
     a["loop"]->setChecked(deck_.looping());
     static const QIcon play = themedIcon(QStringLiteral("play")), pause = themedIcon(QStringLiteral("pause"));
     a["play"]->setIcon(deck_.playing() ? pause : play);

@@ -3,21 +3,23 @@
 
 #include <QEvent>
 #include <QKeyEvent>
+#include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
 #include <QPainter>
 #include <QStyledItemDelegate>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <utility>
 
-#include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
 
-constexpr int kActionRole = Qt::UserRole, kKeysRole = Qt::UserRole + 1, kEnabledRole = Qt::UserRole + 2;
+constexpr int kIndexRole = Qt::UserRole, kNoteRole = Qt::UserRole + 1, kEnabledRole = Qt::UserRole + 2;
+constexpr int kOfKind = 3;  // a name counts so many times more than what kind of thing it is
 
 class ActionDelegate : public QStyledItemDelegate {
 public:
@@ -34,9 +36,11 @@ public:
         index.data(Qt::DecorationRole).value<QIcon>().paint(painter, mark, Qt::AlignCenter, enabled ? QIcon::Normal : QIcon::Disabled);
         rect.setLeft(mark.right() + px(11));
         painter->setPen(themeColor(enabled ? Appearance::Role::Text : Appearance::Role::Muted));
-        painter->drawText(rect, Qt::AlignLeft | Qt::AlignVCenter, index.data().toString());
+        const QString name = index.data().toString();
+        painter->drawText(rect, Qt::AlignLeft | Qt::AlignVCenter, painter->fontMetrics().elidedText(name, Qt::ElideRight, rect.width()));
+        rect.setLeft(rect.left() + painter->fontMetrics().horizontalAdvance(name) + px(16));
         painter->setPen(themeColor(Appearance::Role::Muted));
-        painter->drawText(rect, Qt::AlignRight | Qt::AlignVCenter, index.data(kKeysRole).toString());
+        painter->drawText(rect, Qt::AlignRight | Qt::AlignVCenter, painter->fontMetrics().elidedText(index.data(kNoteRole).toString(), Qt::ElideRight, rect.width()));
     }
     QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex&) const override { return {px(100), option.fontMetrics.height() + px(14)}; }
 };
@@ -59,25 +63,29 @@ int searchScore(const QString& typed, const QString& text) {
 }
 
 // A child of the window and no window of its own: its round corners need no compositor.
-CommandSearch::CommandSearch(const QList<QAction*>& actions, QWidget* window) : QFrame(window), actions_(actions) {
+CommandSearch::CommandSearch(std::vector<Findable> all, QWidget* window) : QFrame(window), all_(std::move(all)) {
     setAttribute(Qt::WA_DeleteOnClose);
     setObjectName(QStringLiteral("search"));
     line_ = new QLineEdit(this);
-    line_->setPlaceholderText(tr("Search commands"));
-    line_->setAccessibleName(tr("Search commands"));
+    line_->setPlaceholderText(tr("Search"));
+    line_->setAccessibleName(tr("Search"));
     line_->addAction(themedIcon(QStringLiteral("search"), Appearance::Role::Muted), QLineEdit::LeadingPosition);
     line_->installEventFilter(this);
     auto* rule = named(new QFrame(this), "rule");
+    none_ = styled(named(new QLabel(this), "nothingFound"), "muted");
+    none_->setWordWrap(true);
+    none_->setContentsMargins(px(10), px(8), px(10), px(8));
     list_ = new QListWidget(this);
+    list_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     list_->setItemDelegate(new ActionDelegate(list_));
     list_->setUniformItemSizes(true);
     list_->setFocusPolicy(Qt::NoFocus);
     list_->setMouseTracking(true);
-    list_->setAccessibleName(tr("Commands"));
-    imomushi::fill(new QVBoxLayout(this), QMargins(px(8), px(6), px(8), px(8)), Spacing{px(6)}, line_, rule, list_);
+    list_->setAccessibleName(tr("Found"));
+    imomushi::fill(new QVBoxLayout(this), QMargins(px(8), px(6), px(8), px(8)), Spacing{px(6)}, line_, rule, list_, none_, Stretch{});
     connect(line_, &QLineEdit::textChanged, this, &CommandSearch::fill);
     connect(list_, &QListWidget::itemClicked, this, &CommandSearch::run);
-    resize(px(560), px(420));
+    resize(QSize(px(620), px(420)).boundedTo(window->size() * 0.8));
     fill({});
 }
 
@@ -90,27 +98,36 @@ void CommandSearch::popUp() {
 }
 
 void CommandSearch::fill(const QString& text) {
-    std::vector<std::pair<int, QAction*>> found;
-    for (QAction* action : actions_)
-        if (const int score = searchScore(text, commandName(*action)); score > 0) found.emplace_back(score, action);
+    const QString typed = text.trimmed();
+    std::vector<std::pair<int, std::size_t>> found;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+        const int score = std::max(kOfKind * searchScore(typed, all_[i].name), all_[i].kind.isEmpty() ? 0 : searchScore(typed, all_[i].kind));
+        if (score > 0) found.emplace_back(score, i);
+    }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     list_->clear();
-    for (const auto& [score, action] : found) {
-        auto* item = new QListWidgetItem(action->icon(), commandName(*action), list_);
-        item->setData(kActionRole, QVariant::fromValue(static_cast<QObject*>(action)));
-        item->setData(kKeysRole, action->shortcut().toString(QKeySequence::NativeText));
-        item->setData(kEnabledRole, action->isEnabled());
+    for (const auto& [score, i] : found) {
+        const Findable& one = all_[i];
+        auto* item = new QListWidgetItem(one.icon, one.name, list_);
+        item->setData(kIndexRole, int(i));
+        item->setData(kNoteRole, !one.why.isEmpty() ? one.why : !one.keys.isEmpty() ? one.keys : one.kind);
+        item->setData(kEnabledRole, one.why.isEmpty());
+        item->setToolTip(one.why);
     }
     list_->setCurrentRow(0);
+    list_->setVisible(!found.empty());
+    none_->setVisible(found.empty());
+    none_->setText(tr("Nothing is called “%1”. Commands, panels, effects, settings, samples, and the parts, takes and clips of this project are found by their names.").arg(typed));
 }
 
 void CommandSearch::run() {
     const auto* item = list_->currentItem();
     if (!item || !item->data(kEnabledRole).toBool()) return;
-    auto* action = static_cast<QAction*>(item->data(kActionRole).value<QObject*>());
+    const auto run = all_[std::size_t(item->data(kIndexRole).toInt())].run;
+    QWidget* window = parentWidget();
     close();
-    // After this popup is gone: the action may open a window of its own.
-    QMetaObject::invokeMethod(action, &QAction::trigger, Qt::QueuedConnection);
+    // After this is gone: it may open a window of its own.
+    QMetaObject::invokeMethod(window, [run] { run(); }, Qt::QueuedConnection);
 }
 
 bool CommandSearch::eventFilter(QObject* watched, QEvent* event) {

@@ -1,20 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QAction>
 #include <QFrame>
-#include <QList>
+#include <QIcon>
+#include <QString>
+#include <functional>
+#include <vector>
 
+class QLabel;
 class QLineEdit;
 class QListWidget;
 
 namespace imomushi {
 
-/// Type a few letters, press Enter: every action of the menus, with its shortcut.
+/// Something that can be found by its name.
+struct Findable {
+    QIcon icon;
+    QString name, kind;         ///< what it is called, and what it is ("Effect"); of commands the menu says nothing
+    QString keys;               ///< its shortcut
+    QString why;                ///< why it cannot be done now; empty: it can
+    std::function<void()> run;  ///< what Enter does
+};
+
+/// Type a few letters, press Enter: commands, panels, effects, settings, samples, and what the project has.
 class CommandSearch : public QFrame {
     Q_OBJECT
 public:
-    CommandSearch(const QList<QAction*>& actions, QWidget* window);
+    CommandSearch(std::vector<Findable> all, QWidget* window);
     void popUp();
 
 protected:
@@ -23,9 +35,10 @@ protected:
 private:
     void fill(const QString& text);
     void run();
-    QList<QAction*> actions_;
+    std::vector<Findable> all_;
     QLineEdit* line_;
     QListWidget* list_;
+    QLabel* none_;
 };
 
 /// How well `text` fits what was typed: its letters in order, whole words first. 0: not at all.

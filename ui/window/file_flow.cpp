@@ -42,6 +42,16 @@ QString meshFilter(const QStringList& suffixes) {
 const QStringList kRigged = {QStringLiteral("glb"), QStringLiteral("gltf"), QStringLiteral("vrm"), QStringLiteral("fbx"), QStringLiteral("dae")};
 const QString kMeshFolder = QStringLiteral("files/mesh-folder");
 
+/// The folder, or that of which it would be a part, whichever is there.
+QString existing(QString folder) {
+    while (!folder.isEmpty() && !QFileInfo(folder).isDir()) {
+        const QString above = QFileInfo(folder).path();
+        if (above == folder || above == u".") break;
+        folder = above;
+    }
+    return QFileInfo(folder).isDir() && folder != u"/" ? folder : QDir::homePath();
+}
+
 QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
 
 }  // namespace
@@ -125,7 +135,7 @@ Result<Json> FileFlow::write(const Json& save) {
 QString FileFlow::folder() const {
     const QString own = pathOf(document_.session());
     if (!own.isEmpty() && !isSample(own)) return QFileInfo(own).absolutePath();
-    return QSettings().value(QStringLiteral("files/folder"), QStandardPaths::writableLocation(QStandardPaths::DocumentsLocation)).toString();
+    return existing(QSettings().value(QStringLiteral("files/folder"), QStandardPaths::writableLocation(QStandardPaths::DocumentsLocation)).toString());
 }
 
 bool FileFlow::mayDiscard() {
@@ -250,7 +260,7 @@ void FileFlow::writeMesh() {
 void FileFlow::askImport(Lead lead) {
     const QStringList suffixes = lead == Lead::RiggedFile ? kRigged : meshSuffixes();
     const QString title = lead == Lead::RiggedFile ? tr("From a rigged file") : lead == Lead::Mesh ? tr("From a mesh") : tr("Import meshes");
-    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString start = existing(QSettings().value(kMeshFolder, folder()).toString());
     const QStringList paths = QFileDialog::getOpenFileNames(window_, title, start, meshFilter(suffixes));
     if (paths.isEmpty()) return;
     QSettings().setValue(kMeshFolder, QFileInfo(paths.first()).absolutePath());
@@ -321,7 +331,7 @@ void FileFlow::makeSoft(const Json& command) { startSoft(command, QString::fromS
 
 void FileFlow::askImportSkeleton(const CharacterSource& character) {
     const std::string name = character.name;  // the document may be another one after the dialog
-    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString start = existing(QSettings().value(kMeshFolder, folder()).toString());
     const QString path = QFileDialog::getOpenFileName(window_, tr("Import a skeleton"), start, meshFilter(kRigged));
     if (path.isEmpty()) return;
     QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
@@ -342,7 +352,7 @@ void FileFlow::importSkeleton(const CharacterSource& character, const QString& p
 
 void FileFlow::askImportClips(const CharacterSource& character) {
     const std::string name = character.name;  // the document may be another one after the dialog
-    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString start = existing(QSettings().value(kMeshFolder, folder()).toString());
     const QString path = QFileDialog::getOpenFileName(window_, tr("Import clips"), start, meshFilter(kRigged));
     if (path.isEmpty()) return;
     QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
@@ -410,7 +420,7 @@ void FileFlow::append(const QString& path) {
 }
 
 void FileFlow::askReplaceMesh() {
-    const QString start = QSettings().value(kMeshFolder, folder()).toString();
+    const QString start = existing(QSettings().value(kMeshFolder, folder()).toString());
     const QString path = QFileDialog::getOpenFileName(window_, tr("Replace the mesh"), start, meshFilter(meshSuffixes()));
     if (path.isEmpty()) return;
     QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());

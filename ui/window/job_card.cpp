@@ -29,7 +29,6 @@ JobCard::JobCard(QWidget* parent) : QFrame(parent) {
     cancel_->setAccessibleName(tr("Cancel"));
     auto* top = fill(new QHBoxLayout, Share{title_, 1}, detail_, cancel_);
     fill(new QVBoxLayout(this), QMargins(px(14), px(8), px(10), px(12)), Spacing{px(7)}, top, bar_);
-    setMinimumWidth(px(380));
     hide();
 }
 

@@ -2,12 +2,14 @@
 #include "ui/window/main_window.h"
 
 #include <QAbstractButton>
+#include <QApplication>
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QKeyEvent>
 #include <QMimeData>
 #include <QSettings>
+#include <QScreen>
 #include <QStackedLayout>
 #include <QStatusBar>
 #include <QTabBar>
@@ -15,6 +17,7 @@
 #include <utility>
 #include <QUrl>
 #include <QVBoxLayout>
+#include <QWindow>
 #include <algorithm>
 
 #include "ui/dialogs/export_dialog.h"
@@ -52,12 +55,13 @@
 namespace imomushi {
 namespace {
 
-constexpr double kInspectorShare = 0.6;  // of the height, at first
+constexpr double kInspectorShare = 0.65;  // of the height of the docks on the right, at first
+constexpr int kFrameWide = 16, kFrameHigh = 48;  // that a desktop puts around a window
 constexpr int kWarnAgainMs = 5000;
 constexpr int kPictureMs = 400;          // until the view has drawn what is there now
 constexpr int kAskAgainMs = 500;         // whether a gesture is over
 constexpr double kSoon = 10.0;           // s, of a precompute that follows drafts by itself
-constexpr int kStateVersion = 3;         // of the arrangement of docks in QSettings
+constexpr int kStateVersion = 4;         // of the arrangement of docks in QSettings
 
 }  // namespace
 
@@ -66,7 +70,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     setAcceptDrops(true);
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
-    steps_ = new StepFlow(document_, [this] { return viewport_ && viewport_->busy(); }, this);
+    steps_ = new StepFlow(document_, [this] { return document_.inGesture() || (viewport_ && viewport_->busy()); }, this);
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
@@ -79,9 +83,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     buildStatusBar();
     docks_ = new StudioDocks(*this, document_, *deck_, *costs_, *actions_);
     connectActions();
-    QList<QAction*> panels;
-    for (QDockWidget* dock : docks_->all()) panels << dock->toggleViewAction();
-    menus_ = new StudioMenus(*this, *actions_, files_->recent(), panels);
+    menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
     states_ = new ActionStates(*actions_, document_, *deck_, *precompute_, *steps_, this);
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
@@ -94,10 +96,14 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectPanels();
     connectView();
     connect(states_, &ActionStates::updated, this, &MainWindow::updateTitle);
+    // Keys that no field waits for are the view's.
+    connect(qApp, &QApplication::focusChanged, this, [this](const QWidget*, const QWidget* now) {
+        if (!now && isActiveWindow() && viewport_->isVisible() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget()) viewport_->setFocus();
+    });
     connect(&Appearance::instance(), &Appearance::changed, this, &MainWindow::takeSizes);
     // New metrics make the docks forget how they shared their height.
     connect(&Appearance::instance(), &Appearance::aboutToChange, this, [this] {
-        if (isVisible()) docks_->shareHeight(docks_->inspectorShare(*stage_));
+        if (isVisible()) docks_->shareHeight(docks_->inspectorShare());
     });
 
     takeSizes();
@@ -108,6 +114,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
 }
 
 MainWindow::~MainWindow() {
+    disconnect(qApp, nullptr, this, nullptr);
     // What hears the document goes before it does.
     delete takeCentralWidget();
     delete docks_;
@@ -360,9 +367,24 @@ void MainWindow::connectView() {
 
 void MainWindow::restore() {
     const QSettings settings;
-    resize(px(1440), px(900));
+    const QSize room = screen()->availableGeometry().size() - QSize(kFrameWide, kFrameHigh), wanted(px(1440), px(900));
+    resize(wanted.boundedTo(room));
+    if (size() != wanted) setWindowState(Qt::WindowMaximized);
     restoreGeometry(settings.value(QStringLiteral("window/geometry")).toByteArray());
     restoreState(settings.value(QStringLiteral("window/docks")).toByteArray(), kStateVersion);
+    menus_->wrapTools();
+}
+
+// Larger letters and longer words push the window's edges out.
+void MainWindow::keepOnScreen() {
+    if (!isVisible() || isFullScreen()) return;
+    layout()->activate();
+    const QRect room = screen()->availableGeometry().marginsRemoved(windowHandle()->frameMargins());
+    const QRect now = geometry();
+    if (room.contains(now)) return;
+    QRect kept({}, now.size().boundedTo(room.size()));
+    kept.moveTo(std::clamp(now.left(), room.left(), room.left() + room.width() - kept.width()), std::clamp(now.top(), room.top(), room.top() + room.height() - kept.height()));
+    setGeometry(kept);
 }
 
 // Docks get their tab bars when they are laid out, and again when they move.
@@ -380,6 +402,7 @@ void MainWindow::retranslate() {
     states_->update();
     next_->retranslate();
     overlays_->place();
+    QTimer::singleShot(0, this, &MainWindow::keepOnScreen);
 }
 
 void MainWindow::takeSizes() {
@@ -387,6 +410,7 @@ void MainWindow::takeSizes() {
     docks_->takeSizes();
     overlays_->place();
     states_->update();
+    QTimer::singleShot(0, this, &MainWindow::keepOnScreen);
 }
 
 void MainWindow::changeEvent(QEvent* event) {
@@ -444,6 +468,7 @@ void MainWindow::showEvent(QShowEvent* event) {
     QMainWindow::showEvent(event);
     if (shown_) return;
     shown_ = true;
+    QTimer::singleShot(0, this, &MainWindow::keepOnScreen);
     // restoreState() knows pixels of a window that has not its size yet.
     docks_->shareHeight(QSettings().value(QStringLiteral("window/inspector"), kInspectorShare).toDouble());
 }
@@ -460,8 +485,18 @@ bool MainWindow::event(QEvent* event) {
     return QMainWindow::event(event);
 }
 
+// Nobody took it: the key of something that cannot be done now says why.
+void MainWindow::keyPressEvent(QKeyEvent* event) {
+    const QKeySequence keys(event->keyCombination());
+    for (const QAction* action : actions_->all())
+        if (!action->isEnabled() && !event->isAutoRepeat() && action->shortcuts().contains(keys))
+            if (const QString why = whyDisabled(*action); !why.isEmpty()) return messages().say(why, MessageBar::Tone::Info);
+    QMainWindow::keyPressEvent(event);
+}
+
 void MainWindow::resizeEvent(QResizeEvent* event) {
     QMainWindow::resizeEvent(event);
+    menus_->wrapTools();
     overlays_->place();
 }
 
@@ -476,7 +511,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QSettings settings;
     settings.setValue(QStringLiteral("window/geometry"), saveGeometry());
     settings.setValue(QStringLiteral("window/docks"), saveState(kStateVersion));
-    settings.setValue(QStringLiteral("window/inspector"), docks_->inspectorShare(*stage_));
+    if (const double share = docks_->inspectorShare(); share > 0.0) settings.setValue(QStringLiteral("window/inspector"), share);
     event->accept();
 }
 

@@ -23,6 +23,7 @@ class ActionStates;
 class EffectsPanel;
 class ExportDialog;
 class FileFlow;
+struct Findable;
 class FrameCostMeter;
 class HistoryPanel;
 class InspectorPanel;
@@ -80,6 +81,7 @@ protected:
     void dragEnterEvent(QDragEnterEvent* event) override;
     void dragLeaveEvent(QDragLeaveEvent* event) override;
     void dropEvent(QDropEvent* event) override;
+    void keyPressEvent(QKeyEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     void showEvent(QShowEvent* event) override;
     bool event(QEvent* event) override;
@@ -98,6 +100,7 @@ private:
     void connectPanels();
     void connectView();
     void restore();
+    void keepOnScreen();
     void retranslate();
     void updateTitle();
     void takeSizes();
@@ -130,7 +133,12 @@ private:
     void mirror(char axis);
     void record();
     void openExport();
-    void openPreferences();
+    /// `setting`: what is to be changed; empty: whatever.
+    void openPreferences(const QString& setting = {});
+    /// Takes a picture of what is seen, into a file.
+    void savePicture();
+    /// All that F3 finds: main_window_search.cpp.
+    std::vector<Findable> findables();
 
     StudioDocument document_;
     StudioActions* actions_;

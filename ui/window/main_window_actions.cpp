@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the actions of the window do.
 #include <QActionGroup>
+#include <QDir>
+#include <QFileDialog>
+#include <QFileInfo>
 #include <QSettings>
 
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/manual_dialog.h"
+#include "ui/dialogs/picture_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
 #include "ui/models/selection_commands.h"
+#include "ui/models/texts.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/tools/select_tool.h"
@@ -38,7 +43,8 @@ void MainWindow::onToggle(const char* action, std::function<void(bool)> run) { c
 void MainWindow::onSettled(const char* action, std::function<void()> run) {
     on(action, [this, run = std::move(run)] {
         settle();
-        run();
+        // What a panel is in the middle of is not the action's to end.
+        if (!document_.inGesture()) run();
     });
 }
 
@@ -52,7 +58,7 @@ void MainWindow::connectActions() {
     connectSoftActions();
     connectTakeActions();
     connectViewActions();
-    on("search", [this] { (new CommandSearch(actions_->all(), this))->popUp(); });
+    on("search", [this] { (new CommandSearch(findables(), this))->popUp(); });
     on("manual", [this] {
         auto* manual = findChild<ManualDialog*>();
         if (!manual) manual = new ManualDialog(this);
@@ -203,6 +209,7 @@ void MainWindow::connectViewActions() {
     };
     connect(viewport_, &ViewportWidget::viewChanged, this, follow);
     follow();
+    onSettled("picture", [this] { savePicture(); });
     onToggle("full-screen", [this](bool checked) { checked ? showFullScreen() : showNormal(); });
     auto* themes = new QActionGroup(this);
     for (int i = 0; i < int(std::size(kThemeActions)); ++i) {
@@ -246,7 +253,7 @@ void MainWindow::propose() {
 void MainWindow::undo() {
     // Undo in the middle of a drag takes the drag back, nothing more.
     if (viewport_->busy()) viewport_->cancel();
-    else if (!viewport_->undo()) document_.execute(commands::undo());
+    else if (!document_.inGesture() && !viewport_->undo()) document_.execute(commands::undo());
 }
 
 void MainWindow::join() {
@@ -268,6 +275,19 @@ void MainWindow::record() {
     viewport_->setFocus();
 }
 
+void MainWindow::savePicture() {
+    showStart(false);
+    PictureDialog dialog(viewport_->size() * devicePixelRatioF(), this);
+    if (dialog.exec() != QDialog::Accepted) return;
+    const QString start = QDir(files_->folder()).filePath(QStringLiteral("%1.png").arg(document_.session().path().empty() ? QStringLiteral("picture") : QString::fromStdString(document_.session().path().stem().string())));
+    QString path = QFileDialog::getSaveFileName(this, tr("Save a picture"), start, tr("Pictures (*.png)"));
+    if (path.isEmpty()) return;
+    if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".png");
+    const auto done = viewport_->writePicture(path, dialog.picture());
+    if (done) messages().say(tr("Wrote “%1”").arg(QFileInfo(path).fileName()), MessageBar::Tone::Good);
+    else messages().say(errorText(done.error()), MessageBar::Tone::Warning);
+}
+
 void MainWindow::openExport() {
     settle();
     if (!export_) {
@@ -279,7 +299,7 @@ void MainWindow::openExport() {
     export_->activateWindow();
 }
 
-void MainWindow::openPreferences() {
+void MainWindow::openPreferences(const QString& setting) {
     PreferencesDialog dialog(*actions_, this);
     connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
@@ -287,6 +307,7 @@ void MainWindow::openPreferences() {
     connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.session().setHistoryDepth(steps); });
     connect(&dialog, &PreferencesDialog::versionsChanged, this, [this] { document_.session().setVersionLimits(PreferencesDialog::versionLimits()); });
     connect(&dialog, &PreferencesDialog::responsesChanged, this, [this] { document_.session().responses().store().setLimits(PreferencesDialog::responseLimits()); });
+    dialog.choose(setting);
     dialog.exec();
 }
 

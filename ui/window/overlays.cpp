@@ -18,10 +18,12 @@ void Overlays::place() {
     int bottom = view_->height() - px(18);
     for (QFrame* overlay : {static_cast<QFrame*>(job_), static_cast<QFrame*>(message_)}) {
         if (!overlay->isVisible()) continue;
-        const int width = std::min(px(520), view_->width() - px(32));
+        // A job stands in the corner, beside the character; a message that takes its time lies where it is read.
+        const bool corner = overlay == job_;
+        const int width = std::min(px(corner ? 380 : 520), view_->width() - px(32));
         overlay->setFixedWidth(std::max(px(200), width));
         overlay->adjustSize();
-        overlay->move((view_->width() - overlay->width()) / 2, bottom - overlay->height());
+        overlay->move(corner ? px(16) : (view_->width() - overlay->width()) / 2, bottom - overlay->height());
         overlay->raise();
         bottom -= overlay->height() + px(8);
     }

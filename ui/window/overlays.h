@@ -9,7 +9,7 @@ namespace imomushi {
 class JobCard;
 class MessageBar;
 
-/// What lies over the lower edge of the view: the card of a running job, and above it the message bar.
+/// What lies over the lower edge of the view: the card of a running job in the corner, and above it, in the middle, the message bar.
 class Overlays : public QObject {
     Q_OBJECT
 public:

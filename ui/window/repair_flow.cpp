@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/repair_flow.h"
 
+#include <QTimer>
 #include <utility>
 
 #include "ui/models/body_texts.h"
 #include "ui/window/file_flow.h"
 
 namespace imomushi {
+namespace {
+
+constexpr int kUntilLetGoMs = 150;  // asks again whether a gesture is over
+
+}  // namespace
 
 RepairFlow::RepairFlow(StudioDocument& document, FileFlow& files, QObject* parent) : QObject(parent), document_(document), files_(files) {
     connect(&job_, &BackgroundJob::finished, this, [this](bool completed) {
@@ -31,6 +37,7 @@ void RepairFlow::next() {
 }
 
 void RepairFlow::finish() {
+    if (document_.inGesture()) return QTimer::singleShot(kUntilLetGoMs, this, &RepairFlow::finish);
     const QString name = subject();
     const auto answer = files_.executeWith(job_.bodies(), waiting_.front());
     if (!answer) {

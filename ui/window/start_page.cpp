@@ -25,7 +25,8 @@ namespace imomushi {
 namespace {
 
 constexpr int kMaxColumns = 4, kFewestColumns = 3;
-constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16, kWayHeight = 134;
+constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16;
+constexpr int kWayMargin = 16, kWayPlate = 40, kWayGap = 12, kWayNote = 9;  // of the cards for ways to begin
 
 // A button that is painted by itself and pressed by Enter, too.
 class Card : public QAbstractButton {
@@ -105,7 +106,12 @@ public:
         setAttribute(Qt::WA_Hover);
         setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
     }
-    [[nodiscard]] QSize sizeHint() const override { return {px(kTileWidth), px(kWayHeight)}; }
+    [[nodiscard]] QSize sizeHint() const override { return {px(kTileWidth), heightAt(px(kTileWidth))}; }
+    /// All of its words can be read at this height.
+    [[nodiscard]] int heightAt(int width) const {
+        const QRect note = fontMetrics().boundingRect(QRect(0, 0, width - 2 * px(kWayMargin), 10000), Qt::AlignLeft | Qt::AlignTop | Qt::TextWordWrap, note_);
+        return px(kWayMargin) + titleHeight(width) + px(kWayNote) + note.height() + px(kWayMargin);
+    }
 
 protected:
     void paintEvent(QPaintEvent*) override {
@@ -119,25 +125,33 @@ protected:
         p.drawRoundedRect(frame, px(10), px(10));
         QColor tint = themeColor(Role::Accent);
         tint.setAlphaF(0.18f);
-        const QRectF plate(px(16), px(16), px(40), px(40));
+        const QRectF plate(px(kWayMargin), px(kWayMargin), px(kWayPlate), px(kWayPlate));
         p.setPen(Qt::NoPen);
         p.setBrush(tint);
         p.drawRoundedRect(plate, px(10), px(10));
         themedIcon(icon_, Role::Accent).paint(&p, plate.adjusted(px(8), px(8), -px(8), -px(8)).toRect());
-        QFont bold = font();
-        bold.setWeight(QFont::DemiBold);
-        bold.setPointSizeF(bold.pointSizeF() * 1.12);
-        p.setFont(bold);
+        p.setFont(titleFont());
         p.setPen(themeColor(Role::Text));
-        const QFontMetrics metrics(bold);
-        const QRectF title(plate.right() + px(12), plate.top(), frame.right() - plate.right() - px(24), plate.height());
-        p.drawText(title, Qt::AlignLeft | Qt::AlignVCenter, metrics.elidedText(text(), Qt::ElideRight, int(title.width())));
+        const int high = titleHeight(width());
+        p.drawText(QRect(int(plate.right()) + px(kWayGap), px(kWayMargin), titleWidth(width()), high), Qt::AlignLeft | Qt::AlignVCenter | Qt::TextWordWrap, text());
         p.setFont(font());
         p.setPen(themeColor(Role::Muted));
-        p.drawText(QRectF(px(16), plate.bottom() + px(9), frame.width() - px(32), frame.bottom() - plate.bottom() - px(18)), Qt::AlignLeft | Qt::AlignTop | Qt::TextWordWrap, note_);
+        const int top = px(kWayMargin) + high + px(kWayNote);
+        p.drawText(QRect(px(kWayMargin), top, width() - 2 * px(kWayMargin), height() - top), Qt::AlignLeft | Qt::AlignTop | Qt::TextWordWrap, note_);
     }
 
 private:
+    [[nodiscard]] QFont titleFont() const {
+        QFont bold = font();
+        bold.setWeight(QFont::DemiBold);
+        bold.setPointSizeF(bold.pointSizeF() * 1.12);
+        return bold;
+    }
+    [[nodiscard]] static int titleWidth(int width) { return width - px(kWayMargin) - px(kWayPlate) - 2 * px(kWayGap); }
+    [[nodiscard]] int titleHeight(int width) const {
+        return std::max(px(kWayPlate), QFontMetrics(titleFont()).boundingRect(QRect(0, 0, titleWidth(width), 10000), Qt::AlignLeft | Qt::TextWordWrap, text()).height());
+    }
+
     QString note_, icon_;
 };
 
@@ -253,10 +267,12 @@ void StartPage::rebuild() {
     const QList<Sample> all = samples();
     auto* ways = new QBoxLayout(columns_ < kFewestColumns ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
     ways->setSpacing(px(kGap));
+    std::vector<WayCard*> cards;
     const auto way = [&](const char* name, const char* icon, const QString& from, const QString& note) {
         auto* card = new WayCard(QLatin1String(icon), from, note, column);
         card->setObjectName(QLatin1String(name));
         ways->addWidget(card, 1);
+        cards.push_back(card);
         return card;
     };
     if (!all.isEmpty())
@@ -266,6 +282,10 @@ void StartPage::rebuild() {
             &StartPage::meshWanted);
     connect(way("wayFromRiggedFile", "bones", tr("From a rigged file"), tr("glTF, VRM, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.")), &QAbstractButton::clicked, this,
             &StartPage::riggedFileWanted);
+    const int wide = ways->direction() == QBoxLayout::TopToBottom ? column->width() : (column->width() - (int(cards.size()) - 1) * px(kGap)) / int(cards.size());
+    int high = 0;
+    for (const WayCard* card : cards) high = std::max(high, card->heightAt(wide));
+    for (WayCard* card : cards) card->setFixedHeight(high);
     layout->addLayout(ways);
 
     auto* drop = new DropPlace(column);

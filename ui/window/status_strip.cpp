@@ -7,6 +7,7 @@
 #include <QLocale>
 #include <QToolButton>
 
+#include "ui/models/body_texts.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
 #include "ui/widgets/appearance.h"
@@ -60,10 +61,9 @@ void StatusStrip::setHint(const QString& hint) { hint_->setText(hint); }
 
 QString StatusStrip::hint() const { return hint_->text(); }
 
-void StatusStrip::setFrame(double cpuMs, double fps, int vertices) {
+void StatusStrip::setFrame(double cpuMs, double fps) {
     lastMs_ = cpuMs;
     lastFps_ = fps;
-    lastVertices_ = vertices;
     showFrame();
     if (const Character* character = document_.session().character()) {
         const auto& s = character->stats();
@@ -76,7 +76,7 @@ void StatusStrip::setFrame(double cpuMs, double fps, int vertices) {
 
 void StatusStrip::showFrame() {
     const QLocale locale;
-    vertices_->setText(tr("%1 vertices").arg(locale.toString(lastVertices_)));
+    vertices_->setText(tr("%1 vertices").arg(locale.toString(verticesOf(document_.document()))));
     ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
     fps_->setText(lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
 }
@@ -112,6 +112,7 @@ void StatusStrip::update() {
     scheduled_ = false;
     mouse_->setPixmap(themedIcon(QStringLiteral("mouse"), Appearance::Role::Muted).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
     state_->setIconSize(QSize(px(16), px(16)));
+    setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     setMinimumHeight(px(32));  // with and without the sign of the precompute
     // Fixed widths, so that nothing jumps while numbers change.
     ms_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000.00 ms")) + px(4));
@@ -143,6 +144,18 @@ void StatusStrip::update() {
     state_->setAccessibleName(tr("State of the precompute: %1").arg(state_->text()));
     fps_->setToolTip(tr("Frames per second of the viewport"));
     showFrame();
+    makeRoom();
+}
+
+void StatusStrip::makeRoom() {
+    for (QLabel* label : {vertices_, ms_, fps_}) label->show();
+    for (QLabel* label : {vertices_, ms_, fps_})
+        if (layout()->activate(), layout()->minimumSize().width() > width()) label->hide();
+}
+
+void StatusStrip::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    makeRoom();
 }
 
 void StatusStrip::changeEvent(QEvent* event) {

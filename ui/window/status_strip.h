@@ -23,7 +23,7 @@ public:
     StatusStrip(StudioDocument& document, std::function<std::optional<PrecomputeEstimate>()> estimate, QWidget* parent = nullptr);
     void setHint(const QString& hint);
     void update();
-    void setFrame(double cpuMs, double fps, int vertices);
+    void setFrame(double cpuMs, double fps);
     void setBusy(const QString& text);  ///< empty: not busy
     [[nodiscard]] QString hint() const;
 
@@ -32,9 +32,12 @@ signals:
 
 protected:
     void changeEvent(QEvent* event) override;
+    void resizeEvent(QResizeEvent* event) override;
 
 private:
     void showFrame();
+    /// What there is no room for is not shown, what is needed least first.
+    void makeRoom();
     void showWarnings();
     StudioDocument& document_;
     std::function<std::optional<PrecomputeEstimate>()> estimate_;
@@ -47,7 +50,6 @@ private:
     QLabel* fps_;
     QString busy_;
     double lastMs_ = -1.0, lastFps_ = 0.0;
-    int lastVertices_ = 0;
     bool scheduled_ = false;
     unsigned warnings_ = 0;  ///< shown
     QTimer warned_;          ///< a warning stays as long as it takes to read it

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/studio_docks.h"
 
+#include <QAction>
 #include <QDockWidget>
 #include <QMainWindow>
+#include <QScreen>
+#include <QScrollArea>
+#include <QStyle>
 #include <QTabBar>
 #include <QTimer>
 #include <algorithm>
@@ -17,6 +21,12 @@
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
+namespace {
+
+/// The artist sees it: no other tab is before it.
+bool inFront(const QDockWidget& dock) { return dock.isVisible() && (dock.isFloating() || !dock.visibleRegion().isEmpty()); }
+
+}  // namespace
 
 StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window) {
     window.setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
@@ -28,15 +38,26 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     issues_ = new IssuesPanel(document, &window);
     inspector_ = new InspectorPanel(document, &window);
     effects_ = new EffectsPanel(document, &window);
-    const auto dock = [&window](const char* name, QWidget* panel, Qt::DockWidgetArea area) {
+    const auto dock = [this, &window](const char* name, QWidget* panel, Qt::DockWidgetArea area) {
         auto* d = new QDockWidget(&window);
         d->setObjectName(QLatin1String(name));
         d->setWidget(panel);
-        d->setFeatures(QDockWidget::DockWidgetClosable | QDockWidget::DockWidgetMovable);
-        // The tabs say the names; a title below them would say them twice. That takes are here is plain to see.
-        d->setTitleBarWidget(new QWidget(d));
+        untitled_[d] = new QWidget(d);
+        d->setTitleBarWidget(untitled_[d]);
         window.addDockWidget(area, d);
+        for (const auto signal : {&QDockWidget::topLevelChanged, &QDockWidget::visibilityChanged})
+            connect(d, signal, this, [this] { QMetaObject::invokeMethod(this, &StudioDocks::showTitles, Qt::QueuedConnection); });
+        connect(d, &QDockWidget::dockLocationChanged, this, [this] { QMetaObject::invokeMethod(this, &StudioDocks::showTitles, Qt::QueuedConnection); });
         return d;
+    };
+    // What is wider than the smallest screen at the largest size can be scrolled there.
+    const auto scrolled = [&window](QWidget* panel) {
+        auto* scroll = new QScrollArea(&window);
+        scroll->setWidgetResizable(true);
+        scroll->setFrameShape(QFrame::NoFrame);
+        scroll->setFocusPolicy(Qt::NoFocus);
+        scroll->setWidget(panel);
+        return scroll;
     };
     outlinerDock_ = dock("outlinerDock", outliner_, Qt::RightDockWidgetArea);
     historyDock_ = dock("historyDock", history_, Qt::RightDockWidgetArea);
@@ -44,10 +65,10 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     inspectorDock_ = dock("inspectorDock", inspector_, Qt::RightDockWidgetArea);
     effectsDock_ = dock("effectsDock", effects_, Qt::RightDockWidgetArea);
     accuracy_ = new AccuracyPanel(document, costs, &window);
-    accuracyDock_ = dock("accuracyDock", accuracy_, Qt::BottomDockWidgetArea);
+    accuracyDock_ = dock("accuracyDock", scrolled(accuracy_), Qt::BottomDockWidgetArea);
     accuracyDock_->hide();
     takes_ = new TakesPanel(document, deck, actions, &window);
-    takesDock_ = dock("takesDock", takes_, Qt::BottomDockWidgetArea);
+    takesDock_ = dock("takesDock", scrolled(takes_), Qt::BottomDockWidgetArea);
     window.tabifyDockWidget(accuracyDock_, takesDock_);
     // Split first: a dock that is split off a tab only becomes another tab.
     window.splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
@@ -57,6 +78,16 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     window.resizeDocks({outlinerDock_, inspectorDock_}, {px(340), px(340)}, Qt::Horizontal);
     outlinerDock_->raise();
     inspectorDock_->raise();
+    for (QDockWidget* d : all()) {
+        auto* action = new QAction(this);
+        action->setCheckable(true);
+        connect(action, &QAction::triggered, this, [this, d] {
+            if (inFront(*d)) d->close();
+            else raise(*d);
+            checkActions();
+        });
+        actions_ << action;
+    }
     connect(issues_, &IssuesPanel::worthChanged, this, &StudioDocks::tellIssues);
 }
 
@@ -79,6 +110,7 @@ void StudioDocks::retranslate() {
     accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
     takesDock_->setWindowTitle(tr("Takes"));
     tellIssues();
+    for (qsizetype i = 0; i < actions_.size(); ++i) actions_[i]->setText(all()[i]->windowTitle());
     for (QTabBar* tabs : window_.findChildren<QTabBar*>(Qt::FindDirectChildrenOnly)) tabs->setAccessibleName(tr("Panels"));
 }
 
@@ -88,15 +120,41 @@ void StudioDocks::tellIssues() {
 }
 
 void StudioDocks::takeSizes() {
-    for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(px(300));
+    const int room = window_.screen()->availableGeometry().width();
+    for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(std::min(px(300), room * 2 / 5));
+    for (QDockWidget* dock : {takesDock_, accuracyDock_}) dock->widget()->setMinimumHeight(static_cast<QScrollArea*>(dock->widget())->widget()->minimumHeight());
 }
 
-double StudioDocks::inspectorShare(const QWidget& view) const {
-    const QDockWidget* inFront = effectsDock_->visibleRegion().isEmpty() ? inspectorDock_ : effectsDock_;
-    return double(inFront->height()) / std::max(view.height(), 1);
+void StudioDocks::checkActions() {
+    for (qsizetype i = 0; i < actions_.size(); ++i) actions_[i]->setChecked(inFront(*all()[i]));
+}
+
+void StudioDocks::showTitles() {
+    for (QDockWidget* d : all()) {
+        const auto beside = window_.tabifiedDockWidgets(d);
+        const bool tabbed = !d->isFloating() && std::any_of(beside.begin(), beside.end(), [](const QDockWidget* other) { return !other->isHidden() && !other->isFloating(); });
+        QWidget* wanted = tabbed ? untitled_[d] : nullptr;
+        if (d->titleBarWidget() == wanted) continue;
+        d->setTitleBarWidget(wanted);
+        untitled_[d]->setVisible(tabbed);
+    }
+}
+
+double StudioDocks::inspectorShare() const {
+    const auto shown = [](std::initializer_list<QDockWidget*> tabs) {
+        const auto* found = std::find_if(tabs.begin(), tabs.end(), [](const QDockWidget* dock) { return inFront(*dock) && !dock->isFloating(); });
+        return found == tabs.end() ? nullptr : *found;
+    };
+    QDockWidget *upper = shown({outlinerDock_, historyDock_, issuesDock_}), *lower = shown({inspectorDock_, effectsDock_});
+    if (!upper || !lower) return 0.0;
+    // Tabs count, as where sizes are given.
+    const int tabs = std::max(0, lower->y() - upper->geometry().bottom() - 1 - window_.style()->pixelMetric(QStyle::PM_DockWidgetSeparatorExtent, nullptr, &window_));
+    const auto whole = [&](QDockWidget* dock) { return dock->height() + (window_.tabifiedDockWidgets(dock).isEmpty() ? 0 : tabs); };
+    return double(whole(lower)) / (whole(upper) + whole(lower));
 }
 
 void StudioDocks::shareHeight(double inspector) {
+    if (!(inspector > 0.0)) return;
     inspector = std::clamp(inspector, 0.1, 0.9);
     QTimer::singleShot(0, this, [this, inspector] {
         window_.resizeDocks({outlinerDock_, inspectorDock_}, {int(1000.0 * (1.0 - inspector)), int(1000.0 * inspector)}, Qt::Vertical);

@@ -3,7 +3,9 @@
 
 #include <QList>
 #include <QObject>
+#include <map>
 
+class QAction;
 class QDockWidget;
 class QMainWindow;
 
@@ -44,15 +46,23 @@ public:
 
     void retranslate();
     void takeSizes();
-    /// How much of the height of `view` the lower right docks have.
-    [[nodiscard]] double inspectorShare(const QWidget& view) const;
+    /// What shows each panel in front, or hides it where it is there already; in the order of the menu.
+    [[nodiscard]] const QList<QAction*>& actions() const { return actions_; }
+    /// Says in the menu which panels are in front.
+    void checkActions();
+    /// How much of the height of both the lower right docks have.
+    [[nodiscard]] double inspectorShare() const;
     /// Gives it to them, once the docks are laid out.
     void shareHeight(double inspector);
 
 private:
     void tellIssues();
+    /// A dock that is alone says its name itself; among others its tab does.
+    void showTitles();
 
     QMainWindow& window_;
+    QList<QAction*> actions_;
+    std::map<QDockWidget*, QWidget*> untitled_;  ///< what stands for the title of a dock that has a tab
     OutlinerPanel* outliner_;
     HistoryPanel* history_;
     IssuesPanel* issues_;

@@ -2,23 +2,27 @@
 #include "ui/window/studio_menus.h"
 
 #include <QFileInfo>
+#include <QHelpEvent>
 #include <QMainWindow>
 #include <QMenu>
 #include <QMenuBar>
+#include <QStatusBar>
 #include <QToolBar>
 #include <QToolButton>
+#include <QToolTip>
 
 #include "ui/models/recent_files.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/start_page.h"
 #include "ui/window/studio_actions.h"
+#include "ui/window/studio_docks.h"
 
 namespace imomushi {
 
-StudioMenus::StudioMenus(QMainWindow& window, ActionSet& actions, RecentFiles& recent, const QList<QAction*>& panels)
-    : QObject(&window), window_(window), actions_(actions), recent_(recent), tools_(new QToolBar(&window)) {
-    buildMenus(panels);
+StudioMenus::StudioMenus(QMainWindow& window, ActionSet& actions, RecentFiles& recent, StudioDocks& docks)
+    : QObject(&window), window_(window), actions_(actions), recent_(recent) {
+    buildMenus(docks);
     buildToolBar();
     connect(&recent, &RecentFiles::changed, this, &StudioMenus::fillFiles);
 }
@@ -26,6 +30,7 @@ StudioMenus::StudioMenus(QMainWindow& window, ActionSet& actions, RecentFiles& r
 QMenu* StudioMenus::addMenu(QMenu* in, const char* title) {
     QMenu* menu = in ? in->addMenu(QString()) : window_.menuBar()->addMenu(QString());
     menu->setWindowFlag(Qt::NoDropShadowWindowHint);
+    menu->installEventFilter(this);
     menus_.emplace_back(menu, title);
     return menu;
 }
@@ -37,7 +42,7 @@ void StudioMenus::fill(QMenu& menu, std::initializer_list<const char*> actions) 
     }
 }
 
-void StudioMenus::buildMenus(const QList<QAction*>& panels) {
+void StudioMenus::buildMenus(StudioDocks& docks) {
     QMenu* file = addMenu(nullptr, QT_TR_NOOP("&File"));
     fill(*file, {"new", "open"});
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
@@ -45,44 +50,83 @@ void StudioMenus::buildMenus(const QList<QAction*>& panels) {
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "", "search", "preferences"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Perform")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
+    fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
     fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "show-all", ""});
-    addMenu(view, QT_TR_NOOP("&Panels"))->addActions(panels);
+    QMenu* panels = addMenu(view, QT_TR_NOOP("&Panels"));
+    panels->addActions(docks.actions());
+    connect(panels, &QMenu::aboutToShow, &docks, &StudioDocks::checkActions);
     fill(*addMenu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(*addMenu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
-    fill(*view, {"", "full-screen"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Help")), {"manual", "controls", "search", "", "about"});
+    fill(*view, {"", "picture", "full-screen"});
+    fill(*addMenu(nullptr, QT_TR_NOOP("Hel&p")), {"manual", "controls", "search", "", "about"});
 }
 
 void StudioMenus::buildToolBar() {
-    tools_->setObjectName(QStringLiteral("tools"));
-    tools_->setMovable(false);
-    tools_->setContextMenuPolicy(Qt::PreventContextMenu);
-    tools_->setToolButtonStyle(Qt::ToolButtonIconOnly);
-    window_.addToolBar(Qt::LeftToolBarArea, tools_);
-    for (const char* id : {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "make-soft", "precompute", "rest", "pin", "", "undo", "redo", "", "frame-all", "bones", "grid"}) {
-        if (*id) tools_->addAction(actions_[id]);
-        else tools_->addSeparator();
-    }
-    for (QToolButton* button : tools_->findChildren<QToolButton*>()) button->setFocusPolicy(Qt::TabFocus);
+    const auto group = [&](const char* name, std::initializer_list<const char*> ids) {
+        auto* bar = new QToolBar(&window_);
+        bar->setObjectName(QLatin1String(name));
+        bar->setMovable(false);
+        bar->setContextMenuPolicy(Qt::PreventContextMenu);
+        bar->setToolButtonStyle(Qt::ToolButtonIconOnly);
+        window_.addToolBar(Qt::LeftToolBarArea, bar);
+        bar->addSeparator();  // seen where another group is above
+        for (const char* id : ids) bar->addAction(actions_[id]);
+        for (QToolButton* button : bar->findChildren<QToolButton*>()) button->setFocusPolicy(Qt::TabFocus);
+        tools_.push_back(bar);
+    };
+    group("tools", {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch"});
+    group("tools-character", {"make-soft", "precompute", "rest", "pin"});
+    group("tools-history", {"undo", "redo"});
+    group("tools-view", {"frame-all", "bones", "grid"});
 }
 
 void StudioMenus::retranslate() {
     for (const auto& [menu, title] : menus_) menu->setTitle(tr(title));
     window_.menuBar()->setAccessibleName(tr("Menus"));
-    tools_->setWindowTitle(tr("Tools"));
-    tools_->setAccessibleName(tr("Tools"));
+    for (QToolBar* bar : tools_) {
+        bar->setWindowTitle(tr("Tools"));
+        bar->setAccessibleName(tr("Tools"));
+    }
     fillFiles();
 }
 
-void StudioMenus::takeSizes() { tools_->setIconSize(QSize(px(22), px(22))); }
+void StudioMenus::takeSizes() {
+    for (QToolBar* bar : tools_) bar->setIconSize(QSize(px(22), px(22)));
+    wrapTools();
+}
+
+void StudioMenus::wrapTools() {
+    const int room = window_.height() - window_.menuBar()->sizeHint().height() - window_.statusBar()->sizeHint().height();
+    int used = 0;
+    for (QToolBar* bar : tools_) {
+        QAction* rule = bar->actions().first();
+        rule->setVisible(used > 0);
+        const bool anew = used > 0 && used + bar->sizeHint().height() > room;
+        if (anew) rule->setVisible(false);
+        if (anew != window_.toolBarBreak(bar)) {
+            if (anew) window_.insertToolBarBreak(bar);
+            else window_.removeToolBarBreak(bar);
+        }
+        used = (anew ? 0 : used) + bar->sizeHint().height();
+    }
+}
 
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
+    menu.installEventFilter(this);
     fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
     menu.exec(global);
+}
+
+bool StudioMenus::eventFilter(QObject* watched, QEvent* event) {
+    if (event->type() != QEvent::ToolTip) return QObject::eventFilter(watched, event);
+    const auto* help = static_cast<QHelpEvent*>(event);
+    auto* menu = static_cast<QMenu*>(watched);
+    const QAction* action = menu->actionAt(help->pos());
+    QToolTip::showText(help->globalPos(), action ? whyDisabled(*action) : QString(), menu);
+    return true;
 }
 
 void StudioMenus::fillFiles() {

@@ -226,7 +226,7 @@ QString AccuracyPanel::tip(int point) const {
     lines << tr("frame %1 (99 of 100 within %2), predicted %3").arg(millisecondsText(p.frameMs), millisecondsText(p.frameP99Ms), millisecondsText(p.predictedMs));
     lines << tr("precompute %1, predicted %2").arg(secondsText(p.precomputeSeconds), secondsText(p.predictedSeconds));
     if (p.frameBytes >= 0.0) lines << tr("memory of a frame %1").arg(bytesText(p.frameBytes));
-    if (p.dominatedPerFrame && p.dominatedInPrecompute) lines << tr("another setting is at least as good in all");
+    if (p.dominatedPerFrame && p.dominatedInPrecompute) lines << tr("not worth choosing: another setting is at least as good in everything");
     if (study_.reference && p.relative >= 0.0 && p.relative < study_.floor())
         lines << tr("below the error of the reference itself");
     if (point == study_.present()) lines << tr("the present setting");

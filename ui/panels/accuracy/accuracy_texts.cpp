@@ -47,7 +47,7 @@ QString settingText(const AccuracySetting& s) {
     else if (s.basis == BasisKind::Full)
         basis = QCoreApplication::translate("imomushi::settingText", "full");
     else
-        basis = QCoreApplication::translate("imomushi::settingText", "%1 modes").arg(s.basis.modes);
+        basis = QCoreApplication::translate("imomushi::settingText", "%1 shapes").arg(s.basis.modes);
     if (s.smoothJoints) basis = QCoreApplication::translate("imomushi::settingText", "%1, smooth joints").arg(basis);
     return basis + QStringLiteral(" · ") + mesh + QStringLiteral(" · ") + QString::fromStdString(formatName(s.format));
 }

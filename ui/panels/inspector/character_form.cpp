@@ -2,6 +2,7 @@
 #include <QLocale>
 
 #include "core/base/parallel.h"
+#include "ui/models/body_texts.h"
 #include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_forms.h"
 
@@ -13,13 +14,13 @@ CharacterForm::CharacterForm(StudioDocument& document, QWidget* parent) : Inspec
     const auto choose = [this](auto property) {
         return [this, property](const auto& value) { document_.execute(commands::set(commands::character::kTarget, property, value)); };
     };
-    addChoice<std::string>(tr("Joint modes"),
-                           {{tr("Affine (9 per face)"), "affine"},
-                            {tr("Paper (6 per face)"), "paper"},
-                            {tr("Warping 6 (15 per face)"), "modes:6"},
-                            {tr("Warping 12 (21 per face)"), "modes:12"},
-                            {tr("Warping 24 (33 per face)"), "modes:24"},
-                            {tr("Full (3 per vertex of a face)"), "full"}},
+    addChoice<std::string>(tr("Joint shapes"),
+                           {{tr("None"), "affine"},
+                            {tr("None, without twist"), "paper"},
+                            {QStringLiteral("6"), "modes:6"},
+                            {QStringLiteral("12"), "modes:12"},
+                            {QStringLiteral("24"), "modes:24"},
+                            {tr("All"), "full"}},
                            [this] { return basisName(now().settings.basis); }, choose(commands::character::kBasis));
     addChoice<std::string>(tr("Number format"), {{tr("Float (4 bytes)"), "float"}, {tr("Half (2 bytes)"), "half"}, {tr("Integer (2 bytes)"), "int16"}},
                            [this] { return formatName(now().settings.format); }, choose(commands::character::kFormat));
@@ -39,11 +40,7 @@ CharacterForm::CharacterForm(StudioDocument& document, QWidget* parent) : Inspec
     addFact(tr("Elements"), [this] { return QLocale().toString(qlonglong(now().elements.size())); });
     addFact(tr("Joints"), [this] { return QLocale().toString(qlonglong(now().joints.size())); });
     addFact(tr("Bones"), [this] { return QLocale().toString(qlonglong(now().bones.size())); });
-    addFact(tr("Vertices"), [this] {
-        qlonglong vertices = 0;
-        for (const auto& [id, e] : now().elements) vertices += e->mesh->body.vertices.rows();
-        return QLocale().toString(vertices);
-    });
+    addFact(tr("Vertices"), [this] { return QLocale().toString(verticesOf(now())); });
     addFact(tr("Precomputed"), [this] {
         int fresh = 0, all = 0;
         double bytes = 0.0;

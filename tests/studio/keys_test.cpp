@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Keys and the pointer: what they reach, and what they must not end.
+#include <QDockWidget>
+#include <QLineEdit>
+#include <QListWidget>
+#include <QShortcutEvent>
+#include <QSpinBox>
+#include <map>
+#include <set>
+
+#include "tests/studio/window.h"
+#include "ui/dialogs/picture_dialog.h"
+#include "ui/dialogs/preferences_dialog.h"
+#include "ui/models/gesture.h"
+#include "ui/panels/effects_panel.h"
+#include "ui/tools/picking.h"
+#include "ui/viewport/viewport_widget.h"
+#include "ui/widgets/number_field.h"
+#include "ui/window/command_search.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Hears which actions the keys of the window reach, and keeps them from being done.
+class Shortcuts : public QObject {
+public:
+    Shortcuts() { qApp->installEventFilter(this); }
+    std::map<QKeySequence, std::set<QObject*>> reached;
+    std::set<QKeySequence> ambiguous;
+    bool eventFilter(QObject* to, QEvent* event) override {
+        if (event->type() != QEvent::Shortcut) return false;
+        const auto* shortcut = static_cast<QShortcutEvent*>(event);
+        reached[shortcut->key()].insert(to);
+        if (shortcut->isAmbiguous()) ambiguous.insert(shortcut->key());
+        return true;
+    }
+};
+
+/// A bone through a body, seen along it: one end is behind the other.
+struct Overlapping : Window {
+    EndpointRef front, back;
+    explicit Overlapping(const char* tool) {
+        run({{"do", "import-element"}, {"path", IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"}, {"name", "chest"}});
+        run({{"do", "add-joint-face"}, {"element", "chest"}, {"name", "a"}, {"plane", {{"origin", {0, 0, -2}}, {"normal", {0, 0, -1}}}}});
+        run({{"do", "add-joint-face"}, {"element", "chest"}, {"name", "b"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+        run({{"do", "add-bone"}, {"name", "spine"}, {"from", "chest/a"}, {"to", "chest/b"}});
+        window().showStart(false);
+        trigger(tool);
+        front = {now().boneNamed("spine")->id, true};
+        back = {front.bone, false};
+        look(Vec3(0, 0, 1));
+        window().viewport().setOrthographic(true);
+        settle();
+    }
+    QPoint at() { return view().onScreen(front)->toPoint(); }
+    std::string hoveredName() {
+        const auto& item = document().hovered();
+        return item ? (now().bones.contains(item->part) ? now().bones.at(item->part)->name + (item->atEnd ? "/end" : "/start") : "?") : "";
+    }
+};
+
+}  // namespace
+
+TEST_CASE("keys: each reaches one action and no other, in both languages") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    for (const char* language : {"en", "ja"}) {
+        CAPTURE(language);
+        Appearance::instance().setLanguage(QString::fromLatin1(language));
+        w.settle();
+        std::map<QAction*, bool> enabled;
+        for (QAction* action : w.window().actions().all()) {
+            enabled[action] = action->isEnabled();
+            action->setEnabled(true);
+        }
+        w.view().setFocus();
+        Shortcuts heard;
+        for (QAction* action : w.window().actions().all())
+            for (const QKeySequence& keys : action->shortcuts()) {
+                const QKeyCombination key = keys[0];
+                QTest::keyClick(&w.view(), key.key(), key.keyboardModifiers());
+                const std::string what = keys.toString().toStdString() + " of " + action->objectName().toStdString();
+                // Some are the view's own, which does the same.
+                if (action->objectName().startsWith(QStringLiteral("frame-"))) continue;
+                CHECK_MESSAGE(heard.reached[keys] == std::set<QObject*>{action}, what);
+                CHECK_MESSAGE(!heard.ambiguous.contains(keys), what);
+            }
+        for (const auto& [action, on] : enabled) action->setEnabled(on);
+    }
+}
+
+TEST_CASE("keys: Enter leaves a number field, and the next key is the view's") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    waitFor([&] { return inspectorRow<NumberField>(w, "Poisson ratio") != nullptr; });
+    auto* field = inspectorRow<NumberField>(w, "Poisson ratio");
+    field->setFocus();
+    field->selectAll();
+    QTest::keyClicks(field, QStringLiteral("0.3"));
+    QTest::keyClick(field, Qt::Key_Return);
+    w.settle();
+    CHECK(field->value() == doctest::Approx(0.3));
+    CHECK(w.view().hasFocus());
+    QTest::keyClick(QApplication::focusWidget(), Qt::Key_D);
+    CHECK(w.view().tool() == ToolKind::Pose);
+}
+
+TEST_CASE("keys: they reach the view when the pointer is over it, unless words are being typed") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    const auto enter = [&] {
+        const QPointF at = w.view().rect().center();
+        QEnterEvent event(at, w.view().mapTo(&w.window(), at), w.view().mapToGlobal(at));
+        QApplication::sendEvent(&w.view(), &event);
+    };
+    waitFor([&] { return !w.window().inspector().findChildren<NumberField*>().isEmpty(); });
+    NumberField* number = nullptr;
+    for (auto* field : w.window().inspector().findChildren<NumberField*>())
+        if (field->isVisible()) number = field;
+    REQUIRE(number);
+    number->setFocus();
+    enter();
+    CHECK(w.view().hasFocus());
+    w.trigger("search");
+    auto* line = w.window().findChild<CommandSearch*>()->findChild<QLineEdit*>();
+    enter();
+    CHECK(line->hasFocus());
+    QTest::keyClick(line, Qt::Key_Escape);
+    w.settle();
+}
+
+TEST_CASE("keys: what cannot be done now says why, by its key, in its tip and where it is searched") {
+    Window w;
+    w.window().showStart(false);
+    w.settle();
+    w.view().setFocus();
+    QTest::keyClick(&w.view(), Qt::Key_M, Qt::ShiftModifier);
+    CHECK(w.window().messages().isVisible());
+    CHECK(w.window().messages().text() == QStringLiteral("There is no character: import one, or select one of several."));
+    CHECK(w.window().actions()["make-soft"]->toolTip().contains(QStringLiteral("There is no character")));
+    for (const QAction* action : w.window().actions().all())
+        if (!action->isEnabled()) CHECK_MESSAGE(!whyDisabled(*action).isEmpty(), action->objectName().toStdString());
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    for (const QAction* action : w.window().actions().all())
+        if (!action->isEnabled()) CHECK_MESSAGE(!whyDisabled(*action).isEmpty(), action->objectName().toStdString());
+}
+
+TEST_CASE("search: effects, panels, settings, samples, parts, takes and clips are found, and that nothing is") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/dragon.imomushi"));
+    REQUIRE(!w.now().takes.empty());
+    const auto search = [&](const QString& typed) {
+        w.trigger("search");
+        auto* found = w.window().findChild<CommandSearch*>();
+        found->findChild<QLineEdit*>()->setText(typed);
+        w.settle();
+        return found;
+    };
+    const auto first = [&](const QString& typed) {
+        auto* found = search(typed);
+        const auto* list = found->findChild<QListWidget*>();
+        const QString name = list->count() ? list->item(0)->text() : QString();
+        found->close();
+        w.settle();
+        return name.toStdString();
+    };
+    for (const QString& name : {QStringLiteral("Effects"), QStringLiteral("Contact"), QStringLiteral("Size of the interface"), QStringLiteral("Octopus"), QStringLiteral("Accuracy and cost")}) CHECK(first(name) == name.toStdString());
+    for (const auto& [id, element] : w.now().elements) CHECK(first(QString::fromStdString(element->name)) == element->name);
+    for (const auto& [id, take] : w.now().takes) CHECK(first(QString::fromStdString(take->name)) == take->name);
+    for (const auto& [id, character] : w.now().characters) CHECK(first(QString::fromStdString(character->name)) == character->name);
+
+    auto* none = search(QStringLiteral("zzqqxx"));
+    CHECK(none->findChild<QListWidget*>()->count() == 0);
+    auto* label = none->findChild<QLabel*>(QStringLiteral("nothingFound"));
+    CHECK(label->isVisible());
+    CHECK(label->text().contains(QStringLiteral("zzqqxx")));
+    w.shoot("search-nothing");
+    none->close();
+    w.settle();
+
+    // Enter goes there.
+    auto* effects = search(QStringLiteral("Contact"));
+    w.shoot("search-effects");
+    QTest::keyClick(effects->findChild<QLineEdit*>(), Qt::Key_Return);
+    w.settle();
+    CHECK(!w.window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->visibleRegion().isEmpty());
+    const auto& [id, element] = *w.now().elements.rbegin();
+    auto* parts = search(QString::fromStdString(element->name));
+    QTest::keyClick(parts->findChild<QLineEdit*>(), Qt::Key_Return);
+    w.settle();
+    CHECK(w.document().selection() == std::vector{SelectionItem{SelectionItem::Kind::Element, id, {}, false}});
+}
+
+TEST_CASE("search: it knows every setting of the preferences by its name") {
+    Window w;
+    PreferencesDialog dialog(w.window().actions(), &w.window());
+    for (const auto* box : dialog.findChildren<QComboBox*>()) CHECK_MESSAGE(PreferencesDialog::settings().contains(box->accessibleName()), box->accessibleName().toStdString());
+    CHECK(PreferencesDialog::settings().size() == dialog.findChildren<QComboBox*>().size() + 1);
+}
+
+TEST_CASE("gestures: a number that is dragged is one step, whatever keys are pressed meanwhile") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    waitFor([&] { return inspectorRow<NumberField>(w, "Poisson ratio") != nullptr; });
+    auto* field = inspectorRow<NumberField>(w, "Poisson ratio");
+    const int before = w.document().session().position();
+    QTest::mousePress(field, Qt::LeftButton, {}, QPoint(40, 10));
+    for (int i = 1; i <= 4; ++i) QTest::mouseMove(field, QPoint(40 - 3 * i, 10));
+    REQUIRE(w.document().inGesture());
+    QTest::keyClick(field, Qt::Key_Z, Qt::ControlModifier);
+    QTest::keyClick(field, Qt::Key_D, Qt::ControlModifier);
+    for (const char* action : {"undo", "delete", "duplicate", "redo"}) w.window().actions()[action]->trigger();
+    for (int i = 5; i <= 8; ++i) QTest::mouseMove(field, QPoint(40 - 3 * i, 10));
+    CHECK(w.document().inGesture());
+    QTest::mouseRelease(field, Qt::LeftButton, {}, QPoint(16, 10));
+    CHECK(!w.document().inGesture());
+    CHECK(w.document().session().position() == before + 1);
+    CHECK(w.now().elements.size() == 1);
+
+    // One that begins while another goes on is a part of it.
+    {
+        Gesture outer(w.document());
+        w.run({{"do", "rename"}, {"target", w.now().elements.begin()->second->name}, {"name", "one"}});
+        {
+            Gesture inner(w.document());
+            w.run({{"do", "rename"}, {"target", "one"}, {"name", "two"}});
+            inner.commit();
+        }
+        CHECK(w.document().inGesture());
+        outer.commit();
+    }
+    CHECK(w.document().session().position() == before + 2);
+}
+
+TEST_CASE("gestures: a job that ends while a number is dragged waits until it is let go") {
+    Window w;
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    const std::string name = w.now().elements.begin()->second->name;
+    const int before = w.document().session().position();
+    {
+        Gesture drag(w.document());
+        w.run({{"do", "rename"}, {"target", name}, {"name", "dragged"}});
+        bool done = false;
+        w.window().steps().start({{{"do", "import-element"}, {"path", IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"}, {"name", "late"}}, QStringLiteral("late"), [&](const Json&) { done = true; }});
+        QTest::qWait(20 * kFrameMs);
+        CHECK(w.window().steps().running());
+        CHECK(!done);
+        drag.commit();
+        waitFor([&] { return !w.window().steps().running(); });
+        CHECK(done);
+    }
+    CHECK(w.document().session().position() == before + 2);
+}
+
+TEST_CASE("overlapping ends: the one in front is taken, Tab takes the one behind, and the view says which") {
+    Overlapping w("tool-pose");
+    QTest::mouseMove(&w.view(), w.at() + QPoint(40, 40));
+    w.settle();
+    QTest::mouseMove(&w.view(), w.at());
+    w.settle();
+    CHECK(w.hoveredName() == "spine/end");  // nearer to the viewer
+    CHECK(w.view().hint().contains(QStringLiteral("Tab")));
+    CHECK(w.view().hint().contains(QStringLiteral("spine/end")));
+    QTest::keyClick(&w.view(), Qt::Key_Tab);
+    w.settle();
+    CHECK(w.view().hasFocus());
+    CHECK(w.hoveredName() == "spine/start");
+    CHECK(w.view().hint().contains(QStringLiteral("spine/start")));
+    w.shoot("overlapping");
+    // P pins what the view says, not what is in front.
+    QTest::keyClick(&w.view(), Qt::Key_P);
+    w.settle();
+    CHECK(w.now().goals.contains(w.back));
+    CHECK(w.now().goals.size() == 1);
+    QTest::keyClick(&w.view(), Qt::Key_Tab);
+    w.settle();
+    CHECK(w.hoveredName() == "spine/end");  // round
+}
+
+TEST_CASE("overlapping ends: a second click at the same place takes the one behind") {
+    Overlapping w("tool-select");
+    w.click(w.at());
+    REQUIRE(w.document().selection().size() == 1);
+    const SelectionItem first = w.document().selection().front();
+    CHECK(first.kind == SelectionItem::Kind::Endpoint);
+    QTest::qWait(QApplication::doubleClickInterval() + kFrameMs);
+    w.click(w.at());
+    REQUIRE(w.document().selection().size() == 1);
+    const SelectionItem second = w.document().selection().front();
+    CHECK(second.kind == SelectionItem::Kind::Endpoint);
+    CHECK(second != first);
+    // Elsewhere and back it is the one in front again.
+    QTest::mouseMove(&w.view(), w.at() + QPoint(60, 60));
+    w.settle();
+    w.document().select({});
+    w.click(w.at());
+    CHECK(w.document().selection().front() == first);
+}
+
+TEST_CASE("picture of the view: any size, with alpha, and without what is selected") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    CHECK(w.window().actions()["picture"]->shortcut() == QKeySequence(Qt::Key_F12));
+    const QString file = w.folder.filePath(QStringLiteral("view.png"));
+    REQUIRE(w.view().writePicture(file, {QSize(333, 517), true, false, false}).has_value());
+    const QImage clear(file);
+    CHECK(clear.size() == QSize(333, 517));
+    CHECK(clear.hasAlphaChannel());
+    CHECK(qAlpha(clear.pixel(2, 2)) == 0);
+    int solid = 0, none = 0;
+    for (int y = 0; y < clear.height(); ++y)
+        for (int x = 0; x < clear.width(); ++x) {
+            solid += qAlpha(clear.pixel(x, y)) == 255;
+            none += qAlpha(clear.pixel(x, y)) == 0;
+        }
+    CHECK(solid > clear.width() * clear.height() / 50);
+    CHECK(none > clear.width() * clear.height() / 4);
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    REQUIRE(w.view().writePicture(file, {QSize(333, 517), true, false, false}).has_value());
+    CHECK(QImage(file) == clear);
+    REQUIRE(w.view().writePicture(file, {QSize(400, 300), false, true, true}).has_value());
+    CHECK(qAlpha(QImage(file).pixel(2, 2)) == 255);
+    CHECK(w.view().writePicture(file, {QSize(9000, 9000), false, false, true}).error().code == "bad-size");
+    CHECK(w.view().writePicture(w.folder.filePath(QStringLiteral("no/such/folder.png")), {QSize(40, 30), false, false, true}).error().code == "not-writable");
+
+    PictureDialog dialog(QSize(640, 480), &w.window());
+    dialog.findChild<QSpinBox*>(QStringLiteral("pictureWidth"))->setValue(1920);
+    CHECK(dialog.picture().size == QSize(1920, 480));
+}
