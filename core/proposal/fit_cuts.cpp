@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/proposal/fit_cuts.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/proposal/mirror_plane.h"
 #include "core/mesh/health.h"
@@ -16,8 +18,8 @@ constexpr double kBeyond = 0.1;
 
 class Fitter {
 public:
-    Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress)
-        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), fitted_(wished.size()), moves_(wished.size(), 0) {
+    Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress, FitOrder order)
+        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), order_(order), fitted_(wished.size()), moves_(wished.size(), 0) {
         for (std::size_t c = 0; c < wished.size(); ++c) {
             fitted_[c].plane = wished[c].plane;
             if (fitted_[c].plane.normal.allFinite() && fitted_[c].plane.normal.norm() > 0.0) fitted_[c].plane.normal.stableNormalize();
@@ -48,8 +50,14 @@ public:
             const bool outward = !nearest && refusal.other >= 0;
             const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : wished_[at].reach / kSteps;
             fitted_[at].code = refusal.code;
-            if ((nearest || outward) && std::abs(fitted_[at].moved + by) <= wished_[at].reach && moves_[at] < wished_[at].moves) {
+            const auto canMove = [&](std::size_t c, double way) { return std::abs(fitted_[c].moved + way) <= wished_[c].reach && moves_[c] < wished_[c].moves; };
+            if ((nearest || outward) && canMove(at, by)) {
                 move(at, by);
+                fitted_[at].why = "It was moved along the limb: " + refusal.message;
+            } else if (const auto other = order_ == FitOrder::BothGiveWay && refusal.other >= 0 ? makeWay(planes, which, static_cast<std::size_t>(refusal.other)) : std::nullopt; other && canMove(other->first, other->second)) {
+                at = other->first;
+                move(at, other->second);
+                fitted_[at].code = refusal.code;
                 fitted_[at].why = "It was moved along the limb: " + refusal.message;
             } else {
                 fitted_[at].kept = false;
@@ -61,6 +69,16 @@ public:
 
 private:
     [[nodiscard]] bool isTwin(std::size_t a, std::size_t b) const { return wished_[a].twin == static_cast<int>(b); }
+
+    /// Where the one of two cuts that touch would work that is not asked to give way: which, and m along its normal.
+    std::optional<std::pair<std::size_t, double>> makeWay(std::vector<CutPlane> planes, std::vector<std::size_t> which, std::size_t index) const {
+        std::rotate(planes.begin() + static_cast<std::ptrdiff_t>(index), planes.begin() + static_cast<std::ptrdiff_t>(index) + 1, planes.end());
+        std::rotate(which.begin() + static_cast<std::ptrdiff_t>(index), which.begin() + static_cast<std::ptrdiff_t>(index) + 1, which.end());
+        const auto pieces = cutBody(body_, planes, progress_);
+        if (pieces || pieces.error().cut + 1 != static_cast<int>(planes.size()) || !pieces.error().nearest) return std::nullopt;
+        const CutPlane& plane = planes.back();
+        return std::pair(which.back(), (1.0 + kBeyond) * plane.normal.dot(pieces.error().nearest->origin - plane.origin));
+    }
 
     void move(std::size_t c, double by) {
         ++moves_[c];
@@ -143,6 +161,7 @@ private:
     const std::optional<CutPlane>& mirror_;
     double least_;
     const Progress& progress_;
+    FitOrder order_;
     std::vector<FittedCut> fitted_;
     std::vector<int> moves_;
     std::vector<Eigen::Index> tipVertex_;  // -1: not known yet
@@ -150,8 +169,8 @@ private:
 
 }  // namespace
 
-Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress) {
-    return Fitter(body, cuts, mirror, least, progress).fit();
+Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress, FitOrder order) {
+    return Fitter(body, cuts, mirror, least, progress, order).fit();
 }
 
 }  // namespace imomushi

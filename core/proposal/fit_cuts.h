@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,9 +32,15 @@ struct FittedCut {
     std::string code, why;  ///< why it was moved or left out, see CutRefusal; "small": the piece in front of it has less than the least share; "other-limb": its tip lies elsewhere
 };
 
+enum class FitOrder : std::uint8_t {
+    LaterGivesWay,  ///< where two cuts touch, the later one is moved or left out
+    BothGiveWay,    ///< the earlier one is moved where the later one cannot be
+};
+
 /// Tries cuts together (cutBody()) until they work: one that is refused is moved to the nearest place that works, if that is within reach, else left out. Where
-/// two touch, the later one gives way; normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
+/// two touch, the later one gives way (`order`); normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
 /// piece, 0...1. Nothing is changed. Errors: "not-closed", "cancelled".
-Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress);
+Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress,
+                                       FitOrder order = FitOrder::LaterGivesWay);
 
 }  // namespace imomushi

@@ -14,7 +14,11 @@ namespace imomushi {
 namespace {
 
 constexpr Eigen::Index kMirrorSamples = 600;
-constexpr int kRefinements = 8;
+constexpr int kRefinements = 8, kPolishings = 10;
+/// Of the diagonal: distances as small as this are rounding of a file in single precision.
+constexpr double kRounding = 1e-7;
+/// A polished plane may be worse on average by this factor: what differs on both sides no longer draws it aside.
+constexpr double kMostPolished = 1.1;
 /// A normal this near to an axis is that axis: a third of a degree. Modelled symmetry is exact, and its plane goes through the middle or the origin.
 constexpr double kOnAxis = 6e-3;
 /// Planes this near to each other, in diagonals, are one.
@@ -120,7 +124,52 @@ private:
             if (!(error < best.error)) break;
             best = {now, error};
         }
-        return snapped(best);
+        return snapped(polished(best));
+    }
+
+    /// A plane of which most of the surface is the exact mirror image is found to rounding, however the rest differs (a mended spot, a bag on one shoulder): least squares
+    /// of distances to the tangent planes, in which far pairs weigh little. So a turned or scaled character has the same plane.
+    [[nodiscard]] MirrorCandidate polished(const MirrorCandidate& rough) const {
+        CutPlane now = rough.plane;
+        for (int k = 0; k < kPolishings; ++k) {
+            struct Pair {
+                Eigen::Vector3d slope;  // of the distance: by two turns of the normal, by a shift along it
+                double distance = 0.0, weight = 0.0;
+            };
+            const Vec3 first = now.normal.unitOrthogonal(), second = now.normal.cross(first);
+            std::vector<Pair> pairs;
+            std::vector<double> distances;
+            for (const Eigen::Index v : samples_) {
+                const Vec3 p = at(v), mirrored = mirroredPoint(now, p);
+                const auto hit = tree_.nearest(mirrored);
+                if (hit.triangle < 0) continue;
+                const auto t = mesh_.triangles.row(hit.triangle);
+                const Vec3 area = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+                if (!(area.norm() > 0.0)) continue;
+                const Vec3 m = area.normalized();
+                const double height = now.normal.dot(p - now.origin), lean = m.dot(now.normal);
+                const auto turn = [&](const Vec3& by) { return -2.0 * (by.dot(p - now.origin) * lean + height * by.dot(m)); };
+                pairs.push_back({{turn(first), turn(second), 2.0 * lean}, m.dot(mirrored - at(t[0])), weight_[static_cast<std::size_t>(v)]});
+                distances.push_back(std::abs(pairs.back().distance));
+            }
+            if (pairs.size() < 8) return rough;
+            const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+            std::nth_element(distances.begin(), middle, distances.end());
+            const double near = std::max(*middle, kRounding * box_.diagonal());
+            Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+            Eigen::Vector3d right = Eigen::Vector3d::Zero();
+            for (const Pair& pair : pairs) {
+                const double far = pair.distance / near, weight = pair.weight / ((1.0 + far * far) * (1.0 + far * far));
+                matrix += weight * pair.slope * pair.slope.transpose();
+                right -= weight * pair.distance * pair.slope;
+            }
+            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
+            if (!(solver.eigenvalues()[0] > 1e-9 * solver.eigenvalues()[2])) return rough;  // a body of revolution: any plane will do
+            const Eigen::Vector3d step = solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() * solver.eigenvectors().transpose() * right;
+            now.origin += step[2] * now.normal;
+            now.normal = (now.normal + step[0] * first + step[1] * second).normalized();
+        }
+        return errorOf(now) <= kMostPolished * rough.error + kRounding ? MirrorCandidate{now, rough.error} : rough;
     }
 
     [[nodiscard]] MirrorCandidate snapped(MirrorCandidate c) const {

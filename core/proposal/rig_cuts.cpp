@@ -16,6 +16,8 @@ constexpr double kMuchBetter = 0.7;  // another plane is taken if it misplaces t
 constexpr double kWorthIt = 0.05;       // and if the difference is this part of the limb's flesh
 constexpr double kFarther[] = {0.5, 1.0};  // radii of the section: planes that are tried where nearer ones fail
 constexpr double kLeastWay = 0.02;    // diagonals
+constexpr double kAstray = 0.5;        // cosine between both middles
+constexpr double kAside = 0.15;       // of a bone: flesh whose middle is nearer to the head lies around it
 constexpr double kMostShift = 0.35;         // of the length of the shorter bone: how far a plane may be moved
 
 
@@ -44,14 +46,26 @@ Vec3 RigCuts::direction(const MergedRig& merged, std::size_t kept) const {
     bool goesOn = false;
     for (const RigBone& other : rig_.bones) goesOn = goesOn || (other.parent == static_cast<std::int32_t>(b) && other.head == rig_.bones[b].tail);
     if (goesOn && along.norm() > near) return along.normalized();
-    Vec3 middle = Vec3::Zero();
-    double share = 0.0;
+    // The middle of its flesh; where a little of its weight lies far away on its neighbours, of what it moves more than any other.
+    Vec3 all = Vec3::Zero(), belonging = Vec3::Zero();
+    double whole = 0.0, share = 0.0;
     for (std::size_t r = 0; r < rig_.bones.size(); ++r)
         if (merged.mover[r] == static_cast<int>(kept)) {
-            share += flesh_.share[r];
-            middle += flesh_.share[r] * flesh_.middle[r];
+            whole += flesh_.share[r];
+            all += flesh_.share[r] * (flesh_.middle[r] - head);
         }
-    if (share > 0.0 && (middle / share - head).norm() > near) return (middle / share - head).normalized();
+    for (std::size_t v = 0; v + 1 < flesh_.first.size(); ++v) {
+        double own = 0.0;
+        for (auto i = static_cast<std::size_t>(flesh_.first[v]); i < static_cast<std::size_t>(flesh_.first[v + 1]); ++i)
+            if (merged.mover[static_cast<std::size_t>(flesh_.bone[i])] == static_cast<int>(kept)) own += flesh_.weight[i];
+        if (own <= kBelongs) continue;
+        share += flesh_.volume[v] * own;
+        belonging += flesh_.volume[v] * own * (vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) - head);
+    }
+    const bool astray = all.dot(belonging) < kAstray * all.norm() * belonging.norm();
+    // A joint in the middle of its flesh says nothing by where the rest lies: rounding would decide.
+    const Vec3 middle = astray && share > 0.0 ? Vec3(belonging / share) : whole > 0.0 ? Vec3(all / whole) : Vec3(Vec3::Zero());
+    if (middle.norm() > std::max(near, kAside * along.norm())) return middle.normalized();
     return along.norm() > near ? along.normalized() : Vec3::UnitY();
 }
 

@@ -48,57 +48,14 @@ public:
             while (merged_.kept.size() > kMostRigPieces) merged_ = mergeRig(rig_, flesh_, smallest *= kMoreShare);
             if (smallest > kLeastRigShare) proposal_.notes.push_back({"merged-more", "Bones of less than " + std::to_string(static_cast<int>(std::round(100.0 * smallest))) + " % of the flesh were merged, so that few are left: a smaller least share keeps more."});
         }
-        std::map<int, FittedCut> fitted;       // by the bone of the rig
-        std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
-        // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
-        for (int round = 0; round < kMostRounds; ++round) {
-            progress.report("skeleton", 0.1 + 0.9 * round / kMostRounds);
-            std::vector<std::size_t> order;  // kept bones, the more important ones first: where two cuts touch, the later one gives way
-            std::vector<RigCuts::Wish> wishes(merged_.kept.size());
-            for (std::size_t k = 1; k < merged_.kept.size(); ++k) {
-                wishes[k] = cuts_.wish(merged_, k);
-                order.push_back(k);
-            }
-            const std::vector<int> twin = keptTwins();
-            for (std::size_t k = 1; k < wishes.size(); ++k) mirrorWish(k, twin[k], wishes);
-            std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wishes[a].importance > wishes[b].importance; });
-            std::vector<int> place(merged_.kept.size(), -1);
-            for (std::size_t c = 0; c < order.size(); ++c) place[order[c]] = static_cast<int>(c);
-            std::vector<WishedCut> wished;
-            for (const std::size_t k : order) {
-                const auto& planes = wishes[k].planes;
-                const std::size_t which = std::min(candidate[merged_.kept[k]], planes.size() - 1);
-                WishedCut wish;
-                wish.plane = planes[which];
-                wish.reach = wishes[k].reach;
-                if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
-                wished.push_back(wish);
-            }
-            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress));
-            fitted.clear();
-            for (std::size_t c = 0; c < tried.size(); ++c) {
-                const FittedCut& cut = tried[c];
-                const int bone = merged_.kept[order[c]];
-                if (cut.kept) {
-                    fitted.emplace(bone, cut);
-                } else if (++candidate[bone] >= wishes[order[c]].planes.size() || round + kLastRounds >= kMostRounds) {
-                    never.emplace_back(bone, "No cut works there: " + cut.why);
-                }
-            }
-            if (fitted.size() == tried.size()) break;
-            merged_ = mergeRig(rig_, flesh_, smallest, never);
+        // Which cut gives way where two touch decides what else fits: the other way round is tried where a bone was lost.
+        IMOMUSHI_TRY(Cutting cutting, cutLimbs(smallest, never, FitOrder::LaterGivesWay, progress.part(0.1, 0.55)));
+        if (cutting.lost) {
+            IMOMUSHI_TRY(Cutting other, cutLimbs(smallest, never, FitOrder::BothGiveWay, progress.part(0.55, 1.0)));
+            if (other.fitted.size() > cutting.fitted.size()) cutting = std::move(other);
         }
-        // Rounds may end before all is settled: what is not cut is merged, and then what is kept instead.
-        const auto uncut = [&] {
-            std::vector<int> bones;
-            for (std::size_t k = 1; k < merged_.kept.size(); ++k)
-                if (!fitted.contains(merged_.kept[k])) bones.push_back(merged_.kept[k]);
-            return bones;
-        };
-        for (std::vector<int> bones = uncut(); !bones.empty(); bones = uncut()) {
-            for (const int bone : bones) never.emplace_back(bone, "No cut works there.");
-            merged_ = mergeRig(rig_, flesh_, smallest, never);
-        }
+        merged_ = std::move(cutting.merged);
+        const std::map<int, FittedCut>& fitted = cutting.fitted;
         proposal_.share = flesh_.share;
         proposal_.symmetry = mirror_;
         proposal_.from = Proposal::Source::Skeleton;
@@ -118,6 +75,70 @@ public:
     }
 
 private:
+    /// Bones that are kept, and their cuts.
+    struct Cutting {
+        MergedRig merged;
+        std::map<int, FittedCut> fitted;  ///< by the bone of the rig
+        bool lost = false;                ///< a bone was merged because no cut works there
+    };
+
+    Result<Cutting> cutLimbs(double smallest, std::vector<std::pair<int, std::string>> never, FitOrder order, const Progress& progress) const {
+        Cutting made{mergeRig(rig_, flesh_, smallest, never), {}, false};
+        const std::size_t wanted = made.merged.kept.size();
+        std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
+        // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
+        for (int round = 0; round < kMostRounds; ++round) {
+            progress.report("skeleton", static_cast<double>(round) / kMostRounds);
+            std::vector<std::size_t> first;  // kept bones, the more important ones first: where two cuts touch, the later one gives way
+            std::vector<RigCuts::Wish> wishes(made.merged.kept.size());
+            for (std::size_t k = 1; k < made.merged.kept.size(); ++k) {
+                wishes[k] = cuts_.wish(made.merged, k);
+                first.push_back(k);
+            }
+            const std::vector<int> twin = keptTwins(made.merged);
+            for (std::size_t k = 1; k < wishes.size(); ++k) mirrorWish(made.merged, k, twin[k], wishes);
+            std::stable_sort(first.begin(), first.end(), [&](std::size_t a, std::size_t b) { return wishes[a].importance > wishes[b].importance; });
+            std::vector<int> place(made.merged.kept.size(), -1);
+            for (std::size_t c = 0; c < first.size(); ++c) place[first[c]] = static_cast<int>(c);
+            std::vector<WishedCut> wished;
+            for (const std::size_t k : first) {
+                const auto& planes = wishes[k].planes;
+                const std::size_t which = std::min(candidate[made.merged.kept[k]], planes.size() - 1);
+                WishedCut wish;
+                wish.plane = planes[which];
+                wish.reach = wishes[k].reach;
+                if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
+                wished.push_back(wish);
+            }
+            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress, order));
+            made.fitted.clear();
+            for (std::size_t c = 0; c < tried.size(); ++c) {
+                const FittedCut& cut = tried[c];
+                const int bone = made.merged.kept[first[c]];
+                if (cut.kept) {
+                    made.fitted.emplace(bone, cut);
+                } else if (++candidate[bone] >= wishes[first[c]].planes.size() || round + kLastRounds >= kMostRounds) {
+                    never.emplace_back(bone, "No cut works there: " + cut.why);
+                }
+            }
+            if (made.fitted.size() == tried.size()) break;
+            made.merged = mergeRig(rig_, flesh_, smallest, never);
+        }
+        // Rounds may end before all is settled: what is not cut is merged, and then what is kept instead.
+        const auto uncut = [&] {
+            std::vector<int> bones;
+            for (std::size_t k = 1; k < made.merged.kept.size(); ++k)
+                if (!made.fitted.contains(made.merged.kept[k])) bones.push_back(made.merged.kept[k]);
+            return bones;
+        };
+        for (std::vector<int> bones = uncut(); !bones.empty(); bones = uncut()) {
+            for (const int bone : bones) never.emplace_back(bone, "No cut works there.");
+            made.merged = mergeRig(rig_, flesh_, smallest, never);
+        }
+        made.lost = made.merged.kept.size() < wanted;
+        return made;
+    }
+
     /// Bones that mirror each other move equal shares of flesh.
     void findTwins() {
         twins_.assign(rig_.bones.size(), -1);
@@ -152,12 +173,12 @@ private:
     }
 
     /// Per kept bone its twin, 0: none.
-    [[nodiscard]] std::vector<int> keptTwins() const {
-        std::vector<int> twin(merged_.kept.size(), 0);
+    [[nodiscard]] std::vector<int> keptTwins(const MergedRig& merged) const {
+        std::vector<int> twin(merged.kept.size(), 0);
         for (std::size_t k = 1; mirror_ && k < twin.size(); ++k) {
-            const int other = twins_[static_cast<std::size_t>(merged_.kept[k])];
-            const auto found = std::find(merged_.kept.begin() + 1, merged_.kept.end(), other);
-            if (other >= 0 && found != merged_.kept.end()) twin[k] = static_cast<int>(found - merged_.kept.begin());
+            const int other = twins_[static_cast<std::size_t>(merged.kept[k])];
+            const auto found = std::find(merged.kept.begin() + 1, merged.kept.end(), other);
+            if (other >= 0 && found != merged.kept.end()) twin[k] = static_cast<int>(found - merged.kept.begin());
         }
         for (std::size_t k = 1; k < twin.size(); ++k)
             if (twin[k] == static_cast<int>(k)) twin[k] = 0;
@@ -165,11 +186,11 @@ private:
     }
 
     /// The later of two twins gets the planes of the other one; those of a bone on the mirror plane stand upright on it.
-    void mirrorWish(std::size_t k, int twin, std::vector<RigCuts::Wish>& wishes) const {
+    void mirrorWish(const MergedRig& merged, std::size_t k, int twin, std::vector<RigCuts::Wish>& wishes) const {
         if (twin > 0 && twin < static_cast<int>(k)) {
             wishes[k] = wishes[static_cast<std::size_t>(twin)];
             for (CutPlane& plane : wishes[k].planes) plane = {mirroredPoint(*mirror_, plane.origin), mirroredDirection(*mirror_, plane.normal)};
-        } else if (mirror_ && twins_[static_cast<std::size_t>(merged_.kept[k])] == merged_.kept[k]) {
+        } else if (mirror_ && twins_[static_cast<std::size_t>(merged.kept[k])] == merged.kept[k]) {
             for (CutPlane& plane : wishes[k].planes) {
                 const double lean = mirror_->normal.dot(plane.normal);
                 if (std::abs(lean) > kStraight) continue;
@@ -215,7 +236,8 @@ private:
         return static_cast<int>(proposal_.bones.size()) - 1;
     }
 
-    /// A bone from the head of each kept one to the head of the child that goes on straightest, and others from there to the heads of its other children.
+    /// A bone from the head of each kept one to the head of the child that goes on straightest, and others from there to the heads of its other children. In the plane of
+    /// symmetry it goes on in that plane if any child does: which of two twins would be straighter is rounding.
     void bones() {
         const std::size_t count = merged_.kept.size();
         std::vector<int> arrives(count, -1);        // the bone that ends at a head,
@@ -225,15 +247,19 @@ private:
             std::vector<std::size_t> children;
             std::size_t next = count;
             double straightest = -2.0;
+            const auto inPlane = [&](std::size_t of) { return mirror_ && std::abs(mirror_->normal.dot(headOf(of) - mirror_->origin)) <= kTwin * diagonal_; };
+            bool central = false;
             for (std::size_t c = k + 1; c < count; ++c) {
                 if (merged_.parent[c] != static_cast<int>(k)) continue;
                 children.push_back(c);
                 const Vec3 to = headOf(c) - head;
                 if (to.norm() <= kSame * diagonal_) continue;
-                if (const double straight = along.dot(to.normalized()); straight > straightest) {
-                    straightest = straight;
-                    next = c;
-                }
+                const double straight = along.dot(to.normalized());
+                const bool better = inPlane(k) && inPlane(c) != central ? inPlane(c) : straight > straightest;
+                if (!better) continue;
+                straightest = straight;
+                central = inPlane(c);
+                next = c;
             }
             // A head that no other leads to has a tip.
             const int own = add(names_[k], arrives[k], fromStart[k] != 0, head, next < count ? headOf(next) : tipOf(k), k);
