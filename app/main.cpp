@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/build_facts.h"
 #include "app/headless/runner.h"
 #include "core/document/version.h"
 #include "core/worker/worker.h"
@@ -29,7 +30,7 @@ int main(int argc, char** argv) {
     imomushi::setWorkerProgram("/proc/self/exe");
     if (first == "run") return imomushi::runMain(std::vector<std::string>(argv + 2, argv + argc), std::cin, std::cout, std::cerr);
     if (first == "--version") {
-        std::cout << "imomushi " << imomushi::kVersion << "\n";
+        std::cout << "imomushi " << imomushi::kVersion << "\ncommit " << imomushi::kCommit << "\nbuilt with " << imomushi::kLibraries << "\n";
         return 0;
     }
     if (first == "--help" || first == "-h") {

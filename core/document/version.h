@@ -3,7 +3,7 @@
 
 namespace imomushi {
 
-/// Of the program; CMakeLists.txt has the same (a test compares them).
+/// Of the program; CMakeLists.txt reads it here.
 inline constexpr const char* kVersion = "0.1.0";
 
 }  // namespace imomushi
