@@ -132,6 +132,7 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
     // Blender makes FBX, and clamps.
     plan.options.split = arguments.value("split", plan.options.split || plan.path.extension() == ".fbx");
     plan.options.quantised = arguments.value("quantise", plan.options.quantised);
+    plan.options.compressed = arguments.value("compress", false);
     plan.options.normals = arguments.value("normals", plan.options.normals);
 
     IMOMUSHI_TRY(const auto alive, session.builtCharacter());
@@ -208,6 +209,7 @@ Result<Json> runExport(const ExportPlan& plan, const Progress& progress) {
     if (report.followed.largest > 0.0) answer["render_mesh"] = errorJson(report.followed);
     if (report.dropped.largest > 0.0) answer["dropped_targets"] = errorJson(report.dropped);
     if (report.quantised > 0.0) answer["quantised"] = Json{{"max_percent", 100.0 * report.quantised}};
+    if (report.uncompressed > 0) answer["uncompressed_bytes"] = report.uncompressed;
     answer["check"] = errorJson(report.check);
     answer["check"]["frames"] = report.checked;
     answer["warnings"] = Json::array();
@@ -237,6 +239,7 @@ void addExportCommands(CommandRegistry& registry) {
                         {"targets", Type::Any, false, "Morph targets per element, or of a character together: a number (4 or 8 for phones), or \"all\". What is dropped is said."},
                         {"split", Type::Boolean, false, "A target for each sign of a weight, for programs that clamp weights to 0 ... 1 (false)."},
                         {"quantise", Type::Boolean, false, "16 bits per coordinate and weight, by KHR_mesh_quantization (false). What that rounds is said."},
+                        {"compress", Type::Boolean, false, "Less bytes by EXT_meshopt_compression, without loss (false). Readers must know it: three.js and Babylon.js do, Blender does not. FBX files and caches stay as they are."},
                         {"normals", Type::Boolean, false, "Morph targets move normals too (false: engines find them, or leave them)."},
                         {"tolerance", Type::Number, false, "Keys are left out where the others say the same within this part of the diagonal (0)."}},
                        exportCommand);

@@ -6,6 +6,7 @@
 #include "core/export/cache_writer.h"
 #include "core/export/fbx.h"
 #include "core/export/gltf_check.h"
+#include "core/export/gltf_compressor.h"
 #include "core/export/gltf_writer.h"
 #include "core/export/normal_targets.h"
 #include "core/export/vrm_writer.h"
@@ -85,6 +86,10 @@ Result<ExportReport> exportScene(const ExportScene& scene, const ExportOptions& 
     progress.report("check", 0.8);
     IMOMUSHI_TRY(report.check, checkGltf(bytes, content, motion, report.checked, progress.part(0.8, 0.95)));
     if (progress.cancelled()) return fail(kCancelled, "The export was cancelled.");
+    if (options.compressed && !fbx) {  // Blender would not read it
+        report.uncompressed = bytes.size();
+        IMOMUSHI_TRY(bytes, compressGlb(bytes));
+    }
     progress.report("save", 0.95);
     auto glb = path;
     if (fbx) glb += ".glb";

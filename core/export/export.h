@@ -62,6 +62,7 @@ struct ExportOptions {
     int targets = 0;         ///< at most so many per element or mesh of the scene, the most important ones; 0: all
     bool split = false;      ///< a target for each sign of a weight: weights stay within 0 ... 1
     bool quantised = false;  ///< KHR_mesh_quantization: 16 bits per coordinate and weight
+    bool compressed = false; ///< by meshoptimizer, without loss; .fbx files never are
     bool normals = false;    ///< morph targets move normals too
     const Rig* avatar = nullptr;  ///< of the scene: it goes out as VRM 1.0 too; exportScene() finds it for a path that ends in .vrm
     double tolerance = 0.0;  ///< keys are left out where the others say the same within this part of the diagonal
@@ -82,6 +83,7 @@ struct ExportWarning {
 struct ExportReport {
     std::vector<std::filesystem::path> files;
     std::size_t bytes = 0;
+    std::size_t uncompressed = 0;  ///< bytes that a compressed file would have without that; 0: it is not compressed
     int vertices = 0, triangles = 0;
     int targets = 0;        ///< of the mesh with the most
     std::size_t keys = 0;   ///< of all clips and elements

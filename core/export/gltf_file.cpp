@@ -130,12 +130,13 @@ int GltfFile::quantisedWeights(const std::vector<float>& numbers) {
     return describe(out.data(), out.size() / 4, 4, kUnsignedShort, true, Target::Vertices, false, 0);
 }
 
-std::string GltfFile::glb() {
-    binary_.resize((binary_.size() + 3) / 4 * 4, '\0');
-    root["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+std::string GltfFile::glb(std::string binary, std::size_t unpacked) {
+    binary.resize((binary.size() + 3) / 4 * 4, '\0');
+    root["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+    if (unpacked > 0) root["buffers"].push_back({{"byteLength", unpacked}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
     std::string text = root.dump(-1, ' ', false, Json::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
-    const std::size_t whole = 12 + 8 + text.size() + 8 + binary_.size();
+    const std::size_t whole = 12 + 8 + text.size() + 8 + binary.size();
     if (whole > 0xffffffffu) return {};
     std::string out;
     out.reserve(whole);
@@ -149,9 +150,9 @@ std::string GltfFile::glb() {
     put(text.size());
     put(0x4E4F534A);
     out += text;
-    put(binary_.size());
+    put(binary.size());
     put(0x004E4942);
-    out += binary_;
+    out += binary;
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imomushi {
@@ -33,7 +34,9 @@ public:
     int quantisedWeights(const std::vector<float>& numbers);
 
     /// The whole file. Empty: larger than the format allows (4 GiB).
-    [[nodiscard]] std::string glb();
+    [[nodiscard]] std::string glb() { return glb(std::move(binary_), 0); }
+    /// The same with these bytes. `unpacked`: the size of a second buffer, which the file does not have, for what EXT_meshopt_compression unpacks; 0: none.
+    [[nodiscard]] std::string glb(std::string binary, std::size_t unpacked);
 
 private:
     template <class T>

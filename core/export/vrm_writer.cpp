@@ -2,6 +2,7 @@
 // Source: "VRMC_vrm-1.0" and "VRMC_springBone-1.0", VRM Consortium.
 #include "core/export/vrm_writer.h"
 
+#include "core/base/base64.h"
 #include "core/base/json_member.h"
 #include "core/mesh/avatar.h"
 
@@ -43,11 +44,16 @@ private:
     }
 
     /// What 1.0 wants is there, whatever a project says.
-    Json meta() const {
+    Json meta() {
         Json out = jsonMember(avatar_, "meta").is_object() ? jsonMember(avatar_, "meta") : Json::object();
         if (text(jsonMember(out, "name")).empty()) out["name"] = "avatar";
         if (!jsonMember(out, "authors").is_array() || out["authors"].empty()) out["authors"] = {"unknown"};
         if (text(jsonMember(out, "licenseUrl")).empty()) out["licenseUrl"] = "https://vrm.dev/licenses/1.0/";
+        const Json& picture = jsonMember(avatar_, "thumbnail");
+        const std::string type = text(jsonMember(picture, "mimeType"));
+        const auto bytes = fromBase64(text(jsonMember(picture, "data")));
+        if (bytes && !bytes->empty() && (type == "image/png" || type == "image/jpeg"))
+            out["thumbnailImage"] = file_.add("images", {{"bufferView", file_.view(bytes->data(), bytes->size(), GltfFile::Target::None)}, {"mimeType", type}, {"name", "thumbnail"}});
         return out;
     }
 

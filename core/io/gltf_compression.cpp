@@ -5,6 +5,7 @@
 #include <draco/compression/decode.h>
 #include <meshoptimizer.h>
 
+#include <cstring>
 #include <memory>
 
 namespace imomushi {
@@ -99,6 +100,27 @@ std::string decodeMeshopt(const MeshoptView& view, std::string_view bytes, std::
     if (quaternion) meshopt_decodeFilterQuat(to.data(), count, stride);
     if (exponential) meshopt_decodeFilterExp(to.data(), count, stride);
     return "";
+}
+
+std::string encodeMeshopt(const MeshoptView& view, std::string_view bytes) {
+    // What the extension knows, whatever a later library would choose.
+    [[maybe_unused]] static const bool set = (meshopt_encodeVertexVersion(0), meshopt_encodeIndexVersion(1), true);
+    const auto count = static_cast<std::size_t>(view.count), stride = static_cast<std::size_t>(view.stride);
+    std::string to;
+    const auto room = [&](std::size_t bound) {
+        to.resize(bound);
+        return reinterpret_cast<unsigned char*>(to.data());
+    };
+    if (view.mode == "ATTRIBUTES") {
+        const std::size_t bound = meshopt_encodeVertexBufferBound(count, stride);
+        to.resize(meshopt_encodeVertexBuffer(room(bound), bound, bytes.data(), count, stride));
+        return to;
+    }
+    std::vector<unsigned int> indices(count, 0);
+    for (std::size_t i = 0; i < count; ++i) std::memcpy(&indices[i], bytes.data() + i * stride, stride);  // little-endian, as the file is
+    const std::size_t bound = meshopt_encodeIndexSequenceBound(count, std::size_t{1} << 32);
+    to.resize(meshopt_encodeIndexSequence(room(bound), bound, indices.data(), count));
+    return to;
 }
 
 }  // namespace imomushi

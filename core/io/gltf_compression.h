@@ -38,4 +38,8 @@ struct MeshoptView {
 /// Codec version 0 and its filters (EXT); version 1 and the filter COLOR came later, and are told by name.
 std::string decodeMeshopt(const MeshoptView& view, std::string_view bytes, std::string& to);
 
+/// The other way, without loss and without a filter, for version 0 of the codec. `view`: modes "ATTRIBUTES" (a stride of 4 to 256 that 4 divides) and "INDICES" (of 2 or 4 bytes);
+/// `bytes`: count x stride.
+std::string encodeMeshopt(const MeshoptView& view, std::string_view bytes);
+
 }  // namespace imomushi

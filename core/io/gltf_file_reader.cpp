@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/base64.h"
 #include "core/base/json_member.h"
 #include "core/io/gltf_compression.h"
 #include "core/io/reader_support.h"
@@ -175,21 +176,9 @@ std::string_view GltfFileReader::buffer(std::size_t i) {
 std::string GltfFileReader::decodeData(const std::string& uri) const {
     const std::size_t comma = uri.find(',');
     if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos) refuse("has data that is not in base64: export it again.");
-    std::string bytes;
-    bytes.reserve((uri.size() - comma) / 4 * 3);
-    std::uint32_t bits = 0;
-    int have = 0;
-    for (std::size_t i = comma + 1; i < uri.size() && uri[i] != '='; ++i) {
-        const char c = uri[i];
-        const int six = c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52 : c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
-        if (six < 0) refuse("has damaged base64 data: export it again.");
-        bits = bits << 6 | static_cast<std::uint32_t>(six);
-        if ((have += 6) >= 8) {
-            have -= 8;
-            bytes += static_cast<char>(bits >> have & 0xFFU);
-        }
-    }
-    return bytes;
+    auto bytes = fromBase64(std::string_view(uri).substr(comma + 1));
+    if (!bytes) refuse("has damaged base64 data: export it again.");
+    return std::move(*bytes);
 }
 
 std::string GltfFileReader::decodePercent(const std::string& uri) {

@@ -85,9 +85,11 @@ private:
     }
 
     void materials() {
+        std::size_t toons = 0;
         for (std::size_t at = 0; at < list("materials").size(); ++at) {
             const Json& from = list("materials")[at];
             const Toon toon = toonOf(at);
+            toons += toon.any ? 1 : 0;
             Material to;
             to.name = cleanName(text(member(from, "name")), "material");
             const Json& pbr = member(from, "pbrMetallicRoughness");
@@ -115,6 +117,7 @@ private:
             scene_.surface.mesh.renderMesh.materials.push_back(to);
             uvUse_.push_back(use);
         }
+        if (toons > 0) tell(scene_, Severity::Info, "toon", "Of toon shading colours and pictures came; shade colours, rims and outlines are not shown and do not go out again.", toons, false);
     }
 
     int texture(const Json& reference) {
@@ -174,7 +177,11 @@ private:
         }
         global_[n] = parent * local;
         if (use_ == SceneUse::Character) rigNode_[n] = rig_.addNode(cleanName(text(member(node, "name")), "bone"), parentBone, turned, global_[n]);
-        for (const Json& child : array(member(node, "children"))) place(index(child, visited.size(), "node"), global_[n], rigNode_[n], visited, depth + 1);
+        for (const Json& child : array(member(node, "children"))) {
+            const std::size_t c = index(child, visited.size(), "node");
+            above_[c] = n;
+            place(c, global_[n], rigNode_[n], visited, depth + 1);
+        }
     }
 
     /// VRM 0.x looks along -Z, all others along +Z.
@@ -226,7 +233,8 @@ private:
         if (member(from, "mesh").is_null()) return;
         const Json& meshes = list("meshes");
         const Json& mesh = meshes[index(member(from, "mesh"), meshes.size(), "mesh")];
-        const std::string name = cleanName(text(member(from, "name")), cleanName(text(member(mesh, "name")), "mesh"));
+        const std::string above = above_.contains(n) ? text(member(list("nodes")[above_[n]], "name")) : std::string();
+        const std::string name = cleanName(text(member(from, "name")), cleanName(text(member(mesh, "name")), cleanName(above, "mesh")));
         std::optional<Skin> bones;
         if (const Json& s = member(from, "skin"); !s.is_null()) bones = skin(s);
         const Json& weights = member(from, "weights").is_null() ? member(mesh, "weights") : member(from, "weights");
@@ -527,6 +535,7 @@ private:
     std::map<std::pair<std::size_t, std::size_t>, int> unnamed_;  // by node and number
     std::map<std::size_t, std::vector<int>> targetsOf_;           // by node, of its mesh: of morphs_, -1: left out
     std::vector<int> rigNode_;          // of each node, its index in rig_; -1: not in the scene, or no bones are wanted
+    std::map<std::size_t, std::size_t> above_;   // by node, its parent
     std::map<std::size_t, std::string> partOf_;  // by node
     std::size_t badJoints_ = 0, ktx_ = 0, splats_ = 0;  // ktx_: textures
     std::optional<DracoMesh> draco_;

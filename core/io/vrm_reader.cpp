@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/base64.h"
 #include "core/io/reader_support.h"
 #include "core/mesh/avatar.h"
 
@@ -19,6 +20,7 @@ using Json = GltfFileReader::Json;
 
 constexpr std::size_t kMostExpressions = 512, kMostSprings = 4096;
 constexpr std::size_t kLongestText = 16384;  // bytes of a field of the licence
+constexpr std::size_t kLargestThumbnail = std::size_t{2} << 20;  // bytes
 constexpr int kLongestChain = 256;                // joints of a spring
 
 const Json& member(const Json& object, const char* key) { return GltfFileReader::member(object, key); }
@@ -29,7 +31,7 @@ std::string text(const Json& value) {
 
 class VrmReader {
 public:
-    VrmReader(const GltfFileReader& file, const VrmNames& names, Rig& rig) : file_(file), names_(names), rig_(rig), nodes_(file.list("nodes").size()) {}
+    VrmReader(GltfFileReader& file, const VrmNames& names, Rig& rig) : file_(file), names_(names), rig_(rig), nodes_(file.list("nodes").size()) {}
 
     Json read(Vrm version) {
         Json avatar = Json::object();
@@ -92,6 +94,19 @@ private:
             if (const Json value = plain(member(from, key)); !value.is_null()) to[key] = value;
     }
 
+    /// The picture by which people know the avatar.
+    void thumbnail(const Json& reference, Json& avatar) {
+        if (reference.is_null()) return;
+        item([&] {
+            const Json& image = file_.list("images")[file_.index(reference, file_.list("images").size(), "image")];
+            const std::string type = GltfFileReader::text(member(image, "mimeType"));
+            if ((type != "image/png" && type != "image/jpeg") || member(image, "bufferView").is_null()) return void(++dropped_);
+            const std::string_view bytes = file_.bufferView(file_.index(member(image, "bufferView"), file_.list("bufferViews").size(), "buffer view"));
+            if (bytes.size() > kLargestThumbnail) return void(++dropped_);
+            avatar["thumbnail"] = {{"mimeType", type}, {"data", toBase64(bytes)}};
+        });
+    }
+
     // --- VRM 1.0 ---
 
     void one(const Json& vrm, Json& avatar) {
@@ -101,7 +116,7 @@ private:
              {"name", "version", "authors", "copyrightInformation", "contactInformation", "references", "thirdPartyLicenses", "licenseUrl", "avatarPermission", "allowExcessivelyViolentUsage",
               "allowExcessivelySexualUsage", "commercialUsage", "allowPoliticalOrReligiousUsage", "allowAntisocialOrHateUsage", "creditNotation", "allowRedistribution", "modification", "otherLicenseUrl"},
              meta);
-        if (!member(member(vrm, "meta"), "thumbnailImage").is_null()) ++dropped_;
+        thumbnail(member(member(vrm, "meta"), "thumbnailImage"), avatar);
         if (const Json& bones = member(member(vrm, "humanoid"), "humanBones"); bones.is_object())
             for (const auto& [name, bone] : bones.items()) item([&, &name = name, &bone = bone] { role(name, member(bone, "node")); });
         Json& expressions = avatar["expressions"] = Json::array();
@@ -266,7 +281,8 @@ private:
         if (!said("otherPermissionUrl").empty()) kept += (kept.empty() ? "" : "; ") + ("other permissions: " + said("otherPermissionUrl"));
         if (!kept.empty()) meta["thirdPartyLicenses"] = kept;
         if (!said("otherLicenseUrl").empty()) meta["otherLicenseUrl"] = said("otherLicenseUrl");
-        if (const Json& picture = member(from, "texture"); picture.is_number() && picture.get<double>() >= 0.0) ++dropped_;
+        if (const Json& picture = member(from, "texture"); picture.is_number() && picture.get<double>() >= 0.0)
+            item([&] { thumbnail(member(file_.list("textures")[file_.index(picture, file_.list("textures").size(), "texture")], "source"), avatar); });
         avatar["meta"] = std::move(meta);
         avatar["original"] = std::move(original);
     }
@@ -370,7 +386,7 @@ private:
         for (const std::size_t other : others) chain(group, other, depth + 1, out);
     }
 
-    const GltfFileReader& file_;
+    GltfFileReader& file_;
     const VrmNames& names_;
     Rig& rig_;
     std::size_t nodes_;
@@ -420,7 +436,7 @@ std::vector<std::size_t> vrmNodes(const GltfFileReader& file) {
     return {out.begin(), out.end()};
 }
 
-void readVrm(const GltfFileReader& file, const VrmNames& names, Rig& rig, RawScene& scene) {
+void readVrm(GltfFileReader& file, const VrmNames& names, Rig& rig, RawScene& scene) {
     const Vrm version = vrmOf(file);
     if (version == Vrm::None) return;
     VrmReader reader(file, names, rig);
@@ -441,6 +457,9 @@ void readVrm(const GltfFileReader& file, const VrmNames& names, Rig& rig, RawSce
     const std::size_t springs = avatar.contains("springBone") ? avatar["springBone"]["springs"].size() : 0;
     if (springs > 0 || avatar.contains("lookAt") || !avatar["firstPerson"].empty())
         tell(scene, Severity::Info, "avatar-kept", "Springs, first person and look-at of the avatar are kept for export and move nothing here.", springs + avatar["firstPerson"].size() + avatar.contains("lookAt"), false);
+    std::size_t constraints = 0;
+    for (const Json& node : file.list("nodes")) constraints += member(member(node, "extensions"), "VRMC_node_constraint").is_null() ? 0 : 1;
+    if (constraints > 0) tell(scene, Severity::Info, "avatar-constraints", "Constraints between bones of the avatar have no effect here and do not go out again.", constraints, false);
     if (reader.dropped_ > 0) tell(scene, Severity::Info, "avatar-dropped", "What the avatar says of pictures, materials and things that did not come with it was left out.", reader.dropped_, false);
     if (reader.damaged_ > 0) tell(scene, Severity::Warning, "avatar-damaged", "What the avatar says wrongly or of things that do not exist was left out.", reader.damaged_, false);
 }

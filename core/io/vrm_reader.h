@@ -26,12 +26,12 @@ Vrm vrmOf(const GltfFileReader& file);
 std::vector<std::size_t> vrmNodes(const GltfFileReader& file);
 
 /// Sets rig.roles, and rig.avatar to a JSON object of:
-///   version: "0.x" or "1.0"; meta: as VRMC_vrm 1.0 has it; original: of 0.x, the texts of its own meta, which say the licence
+///   version: "0.x" or "1.0"; meta: as VRMC_vrm 1.0 has it, and the picture that it names as thumbnail: {mimeType, data}, in base64; original: of 0.x, the texts of its own meta, which say the licence
 ///   expressions: [{name, preset, isBinary, overrideBlink, overrideLookAt, overrideMouth, morphs: [{target, weight}], colors: [{material, type, targetValue}],
 ///     textures: [{material, scale, offset}]}], names of presets as in 1.0
 ///   lookAt: as in 1.0; firstPerson: [{part, type}]
 ///   springBone: as VRMC_springBone 1.0 has it with the name of a bone, "bone", for each node
 /// What does not fit is left out and told, like what has no effect here.
-void readVrm(const GltfFileReader& file, const VrmNames& names, Rig& rig, RawScene& scene);
+void readVrm(GltfFileReader& file, const VrmNames& names, Rig& rig, RawScene& scene);
 
 }  // namespace imomushi

@@ -76,11 +76,12 @@ void isTwin(const CharacterFile& twin, const CharacterFile& plain, const std::se
     for (std::size_t i = 0; i < bones; ++i) CHECK(std::abs(m[i] - n[i]) <= 0.004);
 }
 
-/// The farthest vertex of one from the surface of the other.
-double apart(const TriangleMesh& from, const TriangleMesh& to) {
+/// The farthest vertex of one from the surface of the other. `behind`: vertices of less z are not looked at.
+double apart(const TriangleMesh& from, const TriangleMesh& to, double behind) {
     const TriangleTree tree(to);
     double most = 0.0;
-    for (Eigen::Index v = 0; v < from.vertices.rows(); ++v) most = std::max(most, std::sqrt(tree.nearest(from.vertices.row(v).transpose()).squaredDistance));
+    for (Eigen::Index v = 0; v < from.vertices.rows(); ++v)
+        if (from.vertices(v, 2) >= behind) most = std::max(most, std::sqrt(tree.nearest(from.vertices.row(v).transpose()).squaredDistance));
     return most;
 }
 
@@ -99,8 +100,9 @@ TEST_CASE("twins: characters compressed by Draco or meshopt have joints, parts, 
         const auto plain = characterAt(kCharacters / (name + ".glb"));
         REQUIRE(plain);
         const Body body = bodyOf(*plain);
-        for (const std::string how : {"_draco", "_meshopt"}) {
+        for (const std::string how : {"_draco", "_meshopt", "_quantized"}) {
             const std::string file = name + how + ".glb";
+            if (!std::filesystem::exists(kCharacters / file)) continue;  // of one of them there is a file that is quantised alone
             CAPTURE(file);
             const auto twin = characterAt(kCharacters / file);
             REQUIRE_MESSAGE(twin, twin.error().message);
@@ -113,10 +115,10 @@ TEST_CASE("twins: characters compressed by Draco or meshopt have joints, parts, 
             BodySetting setting;
             if (!body.report.links.empty()) setting.links = body.report.links;
             const Body a = setting.links ? bodyOf(*twin, setting) : same, b = setting.links ? bodyOf(*plain, setting) : body;
-            // Each vertex is where the plain body is. The panda crosses itself in a shallow angle; where the crossing ends moves by more than what crosses.
-            const double quantum = within(plain->renderModel.mesh.body.vertices), enough = name == "panda" ? 3.0 * quantum : quantum;
-            CHECK(apart(a.mesh, b.mesh) <= enough);
-            CHECK(apart(b.mesh, a.mesh) <= enough);
+            // Each vertex is where the plain body is; but the panda's tail crosses itself by less than a millimetre, and what mends that depends on the last digit.
+            const double quantum = within(plain->renderModel.mesh.body.vertices), behind = name == "panda" ? -0.45 : -1e9;
+            CHECK(apart(a.mesh, b.mesh, behind) <= quantum);
+            CHECK(apart(b.mesh, a.mesh, behind) <= quantum);
             CHECK(std::abs(meshFacts(same.mesh).volume - meshFacts(body.mesh).volume) <= quantum * surfaceArea(body.mesh));
         }
     }

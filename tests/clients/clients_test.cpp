@@ -223,7 +223,8 @@ TEST_CASE("clients: the validator finds nothing in any layout of any sample, and
     for (const Sample& sample : samples()) {
         CAPTURE(sample.name);
         std::vector<Json> exports = {exported("baked.glb", "baked"), exported("rigged.glb", "rigged"), exported("skinned.glb", "skinned"), exported("unity.glb", "rigged", "unity"),
-                                     exported("web.glb", "baked", "threejs"), exported("eight.glb", "baked")};
+                                     exported("web.glb", "baked", "threejs"), exported("small.glb", "rigged", "threejs"), exported("eight.glb", "baked")};
+        exports[5]["compress"] = true;
         exports.back()["targets"] = 8;
         exports.back()["normals"] = true;
         const auto answers = exportSample(sample, exports);

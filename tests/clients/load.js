@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loads .glb files by three.js in node, where there are no pictures.
 import fs from 'node:fs';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 
 globalThis.self = globalThis;  // which GLTFLoader wants of a browser
@@ -14,5 +15,5 @@ export function load(path) {
     // What is left is shorter: spaces fill the rest.
     bytes.fill(' ', 20, 20 + length);
     bytes.write(JSON.stringify(json), 20);
-    return new GLTFLoader().parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), '');
+    return new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), '');
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs in the browser that check_browser.js starts: does its jobs by three.js, on the processor and by WebGL, and sends back what came out.
 import * as THREE from 'three';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { check, drawnMeshes, positions } from './compare.js';
 
@@ -106,7 +107,7 @@ try {
     if (!gl.getExtension('EXT_color_buffer_float')) throw new Error('WebGL draws no floating point numbers here.');
     answer = { renderer: gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER), checks: [] };
     for (const job of await (await fetch('/jobs')).json()) {
-        const gltf = await new GLTFLoader().loadAsync('/files/' + job.file);
+        const gltf = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync('/files/' + job.file);
         const out = await check(gltf, job, read, { processor: positions, drawn: drawnPositions });
         if (job.picture) out.picture = await takePicture(gltf, job.picture);
         answer.checks.push(out);

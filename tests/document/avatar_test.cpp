@@ -7,6 +7,7 @@
 #include "tests/document/read_character.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
+#include "tests/io/glb.h"
 
 using namespace imomushi;
 
@@ -132,6 +133,33 @@ TEST_CASE("avatars: VRM 1.0 out has the humanoid map, expressions, licence, firs
     w.session.setCharacterImporter(readCharacter);
     w.good({{"do", "import-character"}, {"path", kAvatarFiles / "panda.glb"}, {"name", "panda"}});
     CHECK(w.code({{"do", "export"}, {"path", w.folder() / "panda.vrm"}, {"layout", "skinned"}}) == "not-an-avatar");
+}
+
+TEST_CASE("avatars: a thumbnail goes through a project and out again, bit for bit") {
+    const TestFolder folder;
+    const auto in = folder.write("in.vrm", io_test::changedGlb(kAvatarFiles / "avatar.glb", [](auto& j) { j["extensions"]["VRMC_vrm"]["meta"]["thumbnailImage"] = 0; }));
+    Workbench w;
+    w.session.setCharacterImporter(readCharacter);
+    w.good({{"do", "make-soft"}, {"path", in}, {"name", "avatar"}, {"draft", true}, {"precompute", false}});
+    w.good({{"do", "save"}, {"path", folder.path() / "avatar.imomushi"}});
+    Workbench other;
+    other.good({{"do", "open"}, {"path", folder.path() / "avatar.imomushi"}});
+    for (const bool compress : {false, true}) {
+        const auto out = folder.path() / "out.vrm";
+        other.good({{"do", "export"}, {"path", out}, {"layout", "skinned"}, {"compress", compress}});
+        const auto pictureOf = [](const std::filesystem::path& path) {
+            const Json json = vrmJson(path);
+            const Json& image = json["images"][json["extensions"]["VRMC_vrm"]["meta"]["thumbnailImage"].get<std::size_t>()];
+            CHECK(image["mimeType"] == "image/png");
+            const Json& view = json["bufferViews"][image["bufferView"].get<std::size_t>()];
+            const std::string bytes = readFile(path);
+            std::uint32_t length = 0;
+            std::memcpy(&length, bytes.data() + 12, 4);
+            return bytes.substr(28 + length + view.value("byteOffset", std::size_t{0}), view["byteLength"].get<std::size_t>());
+        };
+        CHECK(pictureOf(out) == pictureOf(in));
+        CHECK(pictureOf(out).substr(1, 3) == "PNG");
+    }
 }
 
 TEST_CASE("avatars: what a project file says of them is not trusted") {

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/io/build_result.h"
+#include "core/io/character_file.h"
 #include "core/mesh/bounds.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
@@ -378,6 +379,51 @@ TEST_CASE("characters: sixteen bits, split targets and normals that move") {
     }
     CHECK(most > 0.05);
     CHECK(off < 1e-3 * (1.0 + most));  // single precision over a small step
+}
+
+TEST_CASE("characters: a compressed file is shorter, and all that it holds is bit for bit what the plain one holds") {
+    Worm w;
+    w.perform();
+    const auto read = [](const char* name) {
+        ImportRequest request;
+        request.path = Worm::at(name);
+        auto file = importCharacter(request, {});
+        REQUIRE_MESSAGE(file, file.error().message);
+        return std::move(*file);
+    };
+    for (const char* layout : {"baked", "rigged", "skinned"})
+        for (const bool quantise : {false, true}) {
+            CAPTURE(std::string(layout));
+            CAPTURE(quantise);
+            const Json plain = w.write({{"layout", layout}, {"quantise", quantise}}, "worm.glb"), packed = w.write({{"layout", layout}, {"quantise", quantise}, {"compress", true}}, "pack.glb");
+            CHECK(packed["uncompressed_bytes"] == plain["bytes"]);
+            CHECK(packed["bytes"].get<double>() < 0.9 * plain["bytes"].get<double>());
+            const CharacterFile a = read("worm.glb"), b = read("pack.glb");
+            const ElementMesh &x = a.renderModel.mesh, &y = b.renderModel.mesh;
+            CHECK(a.renderModel.sameVertices(b.renderModel));
+            CHECK(x.body.triangles == y.body.triangles);
+            CHECK(x.renderMesh.triangles == y.renderMesh.triangles);
+            CHECK(x.renderMesh.texCoords == y.renderMesh.texCoords);
+            CHECK(x.renderMesh.normals == y.renderMesh.normals);
+            CHECK(x.renderMesh.textures.size() == y.renderMesh.textures.size());
+            REQUIRE(a.renderModel.morphs.size() == b.renderModel.morphs.size());
+            for (std::size_t m = 0; m < a.renderModel.morphs.size(); ++m) {
+                CHECK(a.renderModel.morphs[m].vertices == b.renderModel.morphs[m].vertices);
+                CHECK(a.renderModel.morphs[m].deltas == b.renderModel.morphs[m].deltas);
+            }
+            REQUIRE(a.rig.has_value() == b.rig.has_value());
+            if (!a.rig) continue;
+            CHECK(a.rig->weights.bone == b.rig->weights.bone);
+            CHECK(a.rig->weights.weight == b.rig->weights.weight);
+            REQUIRE(a.rig->clips.size() == b.rig->clips.size());
+            for (std::size_t c = 0; c < a.rig->clips.size(); ++c) {
+                REQUIRE(a.rig->clips[c].tracks.size() == b.rig->clips[c].tracks.size());
+                for (std::size_t t = 0; t < a.rig->clips[c].tracks.size(); ++t) CHECK(a.rig->clips[c].tracks[t].values == b.rig->clips[c].tracks[t].values);
+                for (std::size_t t = 0; t < a.rig->clips[c].morphs.size(); ++t) CHECK(a.rig->clips[c].morphs[t].weights == b.rig->clips[c].morphs[t].weights);
+            }
+        }
+    // Caches are no glTF, and stay as they are.
+    CHECK(!w.write({{"layout", "cache"}, {"compress", true}}, "worm.pc2").contains("uncompressed_bytes"));
 }
 
 TEST_CASE("characters: morph targets of a file are weights of the character, of its takes and of its exports") {

@@ -103,6 +103,12 @@ TEST_CASE("Draco: data that come alone are decompressed; where plain data are th
     const double within = 0.5 * std::sqrt(3.0) * 2.0 / 2047.0 + 1e-6;
     CHECK(farthest(alone->surface.mesh.body.vertices, exact) <= within);
     CHECK(farthest(alone->surface.mesh.body.vertices, exact) > 1e-5);  // it was quantised
+    // Whoever reads plain data does not need the others to be sound.
+    Glb broken = dracoBall(ball, true);
+    broken.json["bufferViews"].back()["byteLength"] = 5;
+    const auto plain = scene("a.glb", broken.file());
+    REQUIRE(plain);
+    CHECK(plain->surface.mesh.body.vertices == exact);
     // The lists of attributes may name what the data do not have.
     Glb wrong = dracoBall(ball, false);
     wrong.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 7;

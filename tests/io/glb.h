@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/io/bytes.h"
+#include "tests/support/folder.h"
 
 namespace imomushi::io_test {
 
@@ -49,5 +53,23 @@ private:
 
     std::string buffer_;
 };
+
+/// A GLB file with what `change` does to its JSON.
+inline std::string changedGlb(const std::filesystem::path& path, const std::function<void(nlohmann::json&)>& change) {
+    const std::string bytes = readFile(path);
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 12, 4);
+    auto json = nlohmann::json::parse(bytes.substr(20, length));
+    change(json);
+    std::string text = json.dump();
+    while (text.size() % 4) text += ' ';
+    const std::string rest = bytes.substr(20 + length);
+    std::string out = "glTF";
+    put(out, std::uint32_t{2});
+    put(out, static_cast<std::uint32_t>(20 + text.size() + rest.size()));
+    put(out, static_cast<std::uint32_t>(text.size()));
+    put(out, std::uint32_t{0x4E4F534A});
+    return out + text + rest;
+}
 
 }  // namespace imomushi::io_test

@@ -428,3 +428,24 @@ TEST_CASE("rig: COLLADA skins and animations, in their own unit") {
     CHECK(std::abs(rig.clips[0].seconds - 2.0) < 1e-6);
     CHECK((posedRig(rig, rig.clips[0], 1.0)[1].head - Vec3(0, 0.02, 0)).norm() < 1e-8);
 }
+
+TEST_CASE("rig: a mesh on an unnamed node that nothing moves is its parent's, as in files that programs compressed; one that moves is a bone") {
+    for (const bool moved : {false, true}) {
+        CAPTURE(moved);
+        io_test::Glb glb;
+        const int p = glb.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3), times = glb.floats({0, 1}, "SCALAR", 1), places = glb.floats({0, 0, 0, 0, 1, 0}, "VEC3", 3);
+        glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", p}}}}}}}};
+        glb.json["nodes"] = {{{"name", "hip"}, {"children", {1, 2}}}, {{"mesh", 0}, {"scale", {0.5, 0.5, 0.5}}}, {{"name", "knee"}, {"translation", {0, -1, 0}}, {"children", {3}}}, {{"mesh", 0}}};
+        glb.json["scenes"] = {{{"nodes", {0}}}};
+        if (moved) glb.json["animations"] = {{{"name", "kick"}, {"channels", {{{"sampler", 0}, {"target", {{"node", 3}, {"path", "translation"}}}}}}, {"samplers", {{{"input", times}, {"output", places}}}}}};
+        const std::string bytes = glb.file();
+        const auto file = readScene({"a.glb", bytes}, SceneUse::Character);
+        REQUIRE(file);
+        CHECK(file->partNames == std::vector<std::string>{"hip", "knee"});
+        REQUIRE(file->rig);
+        // The knee's mesh belongs to a bone of its own where a clip moves it alone.
+        REQUIRE(file->rig->bones.size() == 2);
+        CHECK(file->rig->bones[0].name == "hip");
+        CHECK(file->rig->bones[1].name == (moved ? "bone" : "knee"));
+    }
+}

@@ -9,34 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "core/base/base64.h"
+#include "tests/io/glb.h"
 #include "tests/io/raw_scene.h"
 #include "tests/support/thorough.h"
 
 using namespace imomushi;
 using namespace io_test;
 namespace fs = std::filesystem;
-
-namespace {
-
-/// The same file with what `change` does to its JSON.
-std::string vrmWith(const fs::path& path, const std::function<void(nlohmann::json&)>& change) {
-    const std::string bytes = readFile(path);
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + 12, 4);
-    auto json = nlohmann::json::parse(bytes.substr(20, length));
-    change(json);
-    std::string text = json.dump();
-    while (text.size() % 4) text += ' ';
-    const std::string rest = bytes.substr(20 + length);
-    std::string out = "glTF";
-    put(out, std::uint32_t{2});
-    put(out, static_cast<std::uint32_t>(20 + text.size() + rest.size()));
-    put(out, static_cast<std::uint32_t>(text.size()));
-    put(out, std::uint32_t{0x4E4F534A});
-    return out + text + rest;
-}
-
-}  // namespace
 
 TEST_CASE("VRM: both versions give one figure: humanoid bones, expressions, springs, and a front along +Z") {
     const TestFolder folder;
@@ -105,7 +85,7 @@ TEST_CASE("VRM: both versions give one figure: humanoid bones, expressions, spri
 }
 
 TEST_CASE("VRM 0.x: a toon shader without a material beside it gives colour and picture") {
-    const auto file = scene("a.vrm", vrmWith(kCharacters / "avatar_vrm0.vrm", [](auto& j) {
+    const auto file = scene("a.vrm", changedGlb(kCharacters / "avatar_vrm0.vrm", [](auto& j) {
         for (auto& m : j["materials"]) m.erase("pbrMetallicRoughness");
         j["extensions"]["VRM"]["materialProperties"][1]["vectorProperties"]["_Color"] = {0.5, 0, 0, 1};
     }));
@@ -118,7 +98,7 @@ TEST_CASE("VRM 0.x: a toon shader without a material beside it gives colour and 
 TEST_CASE("VRM: what it says wrongly is left out and told; the figure comes all the same") {
     const auto told = [&](const std::function<void(nlohmann::json&)>& change, const char* issue) {
         const TestFolder folder;
-        const auto file = characterAt(folder.write("a.vrm", vrmWith(kCharacters / "avatar.glb", change)));
+        const auto file = characterAt(folder.write("a.vrm", changedGlb(kCharacters / "avatar.glb", change)));
         CAPTURE((file ? "" : file.error().message));
         REQUIRE(file);
         REQUIRE(file->rig);
@@ -134,6 +114,33 @@ TEST_CASE("VRM: what it says wrongly is left out and told; the figure comes all 
     told([](auto& j) { j["extensions"]["VRMC_vrm"]["firstPerson"]["meshAnnotations"] = "all"; }, "avatar-damaged");
     told([](auto& j) { j["extensions"]["VRMC_springBone"]["springs"][0]["joints"][0]["node"] = 99; }, "avatar-damaged");
     told([](auto& j) { j["extensions"]["VRMC_springBone"]["springs"] = {{"a", 1}}; }, "avatar-damaged");
+}
+
+TEST_CASE("VRM: its thumbnail is kept, and toon shading and constraints, which have no effect here, are told") {
+    const TestFolder folder;
+    const auto says = [](const CharacterFile& file, const char* issue) { return std::any_of(file.issues.begin(), file.issues.end(), [&](const MeshIssue& i) { return i.code == issue; }); };
+    for (const char* name : {"avatar.glb", "avatar_vrm0.vrm"}) {
+        CAPTURE(name);
+        const auto file = characterAt(folder.write("a.vrm", changedGlb(kCharacters / name, [](auto& j) {
+            auto& extensions = j["extensions"];
+            if (extensions.contains("VRM")) extensions["VRM"]["meta"]["texture"] = 0;
+            else extensions["VRMC_vrm"]["meta"]["thumbnailImage"] = 0;
+            j["nodes"][3]["extensions"]["VRMC_node_constraint"] = {{"specVersion", "1.0"}, {"constraint", {{"rotation", {{"source", 1}}}}}};
+        })));
+        REQUIRE(file);
+        const auto avatar = nlohmann::json::parse(file->rig->avatar);
+        REQUIRE(avatar.contains("thumbnail"));
+        CHECK(avatar["thumbnail"]["mimeType"] == "image/png");
+        const auto& picture = file->renderModel.mesh.renderMesh.textures.at(0).bytes;
+        CHECK(fromBase64(avatar["thumbnail"]["data"].get<std::string>()) == std::string(picture.begin(), picture.end()));
+        CHECK(says(*file, "toon"));
+        CHECK(says(*file, "avatar-constraints"));
+        CHECK(!says(*file, "avatar-dropped"));
+    }
+    const auto odd = characterAt(folder.write("a.vrm", changedGlb(kCharacters / "avatar.glb", [](auto& j) { j["extensions"]["VRMC_vrm"]["meta"]["thumbnailImage"] = 99; })));
+    REQUIRE(odd);
+    CHECK(says(*odd, "avatar-damaged"));
+    CHECK(!nlohmann::json::parse(odd->rig->avatar).contains("thumbnail"));
 }
 
 TEST_CASE("VRM files with flipped bytes give a reason or a character") {
