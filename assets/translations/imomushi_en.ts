@@ -14,6 +14,20 @@
     <context>
         <name>imomushi::ImportDialog</name>
         <message numerus="yes">
+            <source>The file holds no mesh, but %n clip(s) that can move “%1”.</source>
+            <translation>
+                <numerusform>The file holds no mesh, but %n clip that can move “%1”.</numerusform>
+                <numerusform>The file holds no mesh, but %n clips that can move “%1”.</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n more</source>
+            <translation>
+                <numerusform>%n more</numerusform>
+                <numerusform>%n more</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>Ready to import as %n element(s).</source>
             <translation>
                 <numerusform>Ready to import as %n element.</numerusform>

@@ -1394,6 +1394,14 @@
             <translation>アバターの揺れもの、一人称表示、視線の設定は書き出し用に保たれます。ここでは何も動かしません。</translation>
         </message>
         <message>
+            <source>Constraints between bones of the avatar have no effect here and do not go out again.</source>
+            <translation>アバターのボーン間のコンストレイントは、ここでは働かず、書き出しもされません。</translation>
+        </message>
+        <message>
+            <source>Of toon shading colours and pictures came; shade colours, rims and outlines are not shown and do not go out again.</source>
+            <translation>トゥーンシェーディングのうち、色と画像を読み込みました。陰の色、リム、輪郭線は表示されず、書き出しもされません。</translation>
+        </message>
+        <message>
             <source>What the avatar says of pictures, materials and things that did not come with it was left out.</source>
             <translation>アバターの画像、マテリアル、読み込まれなかったものについての設定は省かれました。</translation>
         </message>
@@ -2406,6 +2414,26 @@
     </context>
     <context>
         <name>imomushi::ImportDialog</name>
+        <message>
+            <source>The file holds bones, but neither a mesh nor clips.</source>
+            <translation>このファイルにはボーンがありますが、メッシュもクリップもありません。</translation>
+        </message>
+        <message numerus="yes">
+            <source>The file holds no mesh, but %n clip(s) that can move “%1”.</source>
+            <translation>
+                <numerusform>このファイルにメッシュはありませんが、「%1」を動かせるクリップが %n 個あります。</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n more</source>
+            <translation>
+                <numerusform>ほか %n 個</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>Import clips</source>
+            <translation>クリップを読み込む</translation>
+        </message>
         <message>
             <source>Import %1</source>
             <translation>%1 の読み込み</translation>
@@ -4913,6 +4941,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>KHR_mesh_quantization でファイルを小さくします。誤差は測って示します</translation>
         </message>
         <message>
+            <source>Compressed by meshopt</source>
+            <translation>meshopt で圧縮する</translation>
+        </message>
+        <message>
+            <source>Smaller files by EXT_meshopt_compression, without loss; programs must know it: three.js and Babylon.js do, Blender does not</source>
+            <translation>EXT_meshopt_compression で、何も失わずにファイルを小さくします。読めるのはこれを知るプログラムだけです。three.js と Babylon.js は読め、Blender は読めません</translation>
+        </message>
+        <message>
             <source>Targets move normals</source>
             <translation>ターゲットで法線も動かす</translation>
         </message>
@@ -5068,6 +5104,10 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>16 bits: off by %1 at most</source>
             <translation>16 ビット: ずれは最大 %1</translation>
+        </message>
+        <message>
+            <source>Compressed without loss: %1 before</source>
+            <translation>何も失わずに圧縮しました。圧縮前は %1</translation>
         </message>
         <message>
             <source>Targets left out: off by %1 at most</source>

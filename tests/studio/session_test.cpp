@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QElapsedTimer>
+#include <QProgressBar>
 #include <QSettings>
 #include <QTreeWidget>
 #include <algorithm>
@@ -259,6 +260,41 @@ TEST_CASE("studio: the links of flesh of a robot are looked at before it is impo
     REQUIRE(made.size() == found.size() - 1);
     CHECK(made[0].radius == doctest::Approx(0.8 * found[1].radius).epsilon(0.01));
     CHECK(made[1].radius == found[2].radius);
+}
+
+TEST_CASE("studio: a dropped file of bones alone is offered as clips for the open character, and alone it is no mesh") {
+    Window w;
+    const QString walk = QStringLiteral(IMOMUSHI_TEST_DATA "/characters/walk.glb");
+    const auto dialogOf = [&] {
+        auto* dialog = w.window().findChild<ImportDialog*>();
+        REQUIRE(dialog);
+        return dialog;
+    };
+    w.window().files().drop({walk});
+    auto* alone = dialogOf();
+    waitFor([&] { return !alone->findChild<QProgressBar*>()->isVisible(); });
+    CHECK(!alone->findChild<QPushButton*>(QStringLiteral("importButton"))->isEnabled());
+    alone->reject();
+    w.settle();
+    REQUIRE(w.document().execute({{"do", "import-character"}, {"path", IMOMUSHI_TEST_DATA "/characters/two_materials.glb"}, {"name", "child"}}));
+    const auto clips = [&] { return w.now().characters.begin()->second->rig->clips.size(); };
+    const std::size_t before = clips();
+    w.window().files().drop({walk});
+    auto* dialog = dialogOf();
+    auto* import = dialog->findChild<QPushButton*>(QStringLiteral("importButton"));
+    waitFor([&] { return import->isEnabled(); });
+    w.settle();
+    w.shoot("clips-import");
+    CHECK(import->text() == "Import clips");
+    CHECK(cutOff(*dialog) == "");
+    CHECK(dialog->command().at("do") == "import-clips");
+    CHECK(dialog->command().at("character") == "child");
+    QTest::mouseClick(import, Qt::LeftButton);
+    waitFor([&] { return !w.window().steps().running() && clips() > before; });
+    CHECK(w.now().characters.begin()->second->rig->clips.back().name == "walk");
+    w.settle();
+    w.shoot("clips-imported");
+    CHECK(w.window().messages().isVisible());  // what came, and which bones it does not have
 }
 
 TEST_CASE("studio: a rigged file becomes soft by the bones that are chosen, its clips become takes, and another skeleton takes its place") {

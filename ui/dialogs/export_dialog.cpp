@@ -134,6 +134,8 @@ QLayout* ExportDialog::makeOptions() {
     split_->setToolTip(tr("A target for each sign of a weight, for programs that clamp weights: twice as many targets"));
     quantise_ = new QCheckBox(tr("16 bits per coordinate"), this);
     quantise_->setToolTip(tr("Smaller files by KHR_mesh_quantization; what that costs is measured"));
+    compress_ = new QCheckBox(tr("Compressed by meshopt"), this);
+    compress_->setToolTip(tr("Smaller files by EXT_meshopt_compression, without loss; programs must know it: three.js and Babylon.js do, Blender does not"));
     normals_ = new QCheckBox(tr("Targets move normals"), this);
     normals_->setToolTip(tr("For engines that do not find normals themselves: larger files"));
     auto* form = new DialogForm;
@@ -143,6 +145,7 @@ QLayout* ExportDialog::makeOptions() {
     form->add(tr("Morph targets"), targets_);
     form->add(split_);
     form->add(quantise_);
+    form->add(compress_);
     form->add(normals_);
     return form;
 }
@@ -186,6 +189,7 @@ void ExportDialog::recall(const QString& folder) {
     targets_->setCurrentIndex(within("targets", targets_->currentIndex(), int(std::size(kTargets))));
     split_->setChecked(settings.value(keyOf("split"), split_->isChecked()).toBool());
     quantise_->setChecked(settings.value(keyOf("quantise"), quantise_->isChecked()).toBool());
+    compress_->setChecked(settings.value(keyOf("compress"), false).toBool());
     normals_->setChecked(settings.value(keyOf("normals"), normals_->isChecked()).toBool());
     const auto& project = document_.session().path();
     const QString name = project.empty() ? tr("character") : QString::fromStdString(project.stem().string());
@@ -255,6 +259,7 @@ void ExportDialog::fillFormats() {
 
 void ExportDialog::suitFormat() {
     if (splitByItself()) split_->setChecked(true);
+    compress_->setEnabled(layoutName() != "cache" && suffix() != u"fbx");
     // These hold whole frames of one rate; what was recorded comes at any time.
     if ((suffix() == u"fbx" || suffix() == u"pc2") && fps_->currentIndex() == 0) fps_->setCurrentIndex(kFastestRate);
 }
@@ -276,6 +281,7 @@ void ExportDialog::takeLayout() {
     split_->setEnabled(morphs);
     normals_->setEnabled(morphs);
     quantise_->setEnabled(!cache);
+    compress_->setEnabled(!cache && suffix() != u"fbx");
     const QFileInfo info(path_->text());
     if (!info.fileName().isEmpty() && info.suffix() != suffix()) setPath(info.dir().filePath(info.completeBaseName() + u'.' + suffix()));
     checkPath();
@@ -313,6 +319,7 @@ Json ExportDialog::command() const {
     choices.targets = unless(preset.options.targets, kTargets[targets_->currentIndex()]);
     choices.split = unless(splitByItself(), split_->isChecked());
     choices.quantise = unless(preset.options.quantised, quantise_->isChecked());
+    if (compress_->isEnabled() && compress_->isChecked()) choices.compress = true;
     choices.normals = unless(preset.options.normals, normals_->isChecked());
     return commands::exportCharacter(choices);
 }
@@ -326,6 +333,7 @@ void ExportDialog::remember() const {
     settings.setValue(keyOf("targets"), targets_->currentIndex());
     settings.setValue(keyOf("split"), split_->isChecked());
     settings.setValue(keyOf("quantise"), quantise_->isChecked());
+    settings.setValue(keyOf("compress"), compress_->isChecked());
     settings.setValue(keyOf("normals"), normals_->isChecked());
     settings.setValue(keyOf("folder"), QFileInfo(path_->text()).absolutePath());
 }

@@ -78,6 +78,7 @@ private:
     QComboBox* format_;
     QCheckBox* split_;
     QCheckBox* quantise_;
+    QCheckBox* compress_;
     QCheckBox* normals_;
     QLineEdit* path_;
     QLabel* replaces_;

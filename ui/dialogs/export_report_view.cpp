@@ -122,6 +122,7 @@ void ExportReportView::showAnswer(const Json& answer) {
     if (answer.contains("render_mesh")) add("info", Role::Info, tr("Surface beside joints and attached parts: off by %1 at most").arg(largest(answer.at("render_mesh"))));
     if (answer.contains("skin")) add("info", Role::Info, tr("The skin is fitted: off by %1 at most").arg(largest(answer.at("skin"))));
     if (answer.contains("quantised")) add("info", Role::Info, tr("16 bits: off by %1 at most").arg(largest(answer.at("quantised"))));
+    if (answer.contains("uncompressed_bytes")) add("check", Role::Good, tr("Compressed without loss: %1 before").arg(bytesText(answer.at("uncompressed_bytes").get<double>())));
     if (answer.contains("dropped_targets")) add("info", Role::Info, tr("Targets left out: off by %1 at most").arg(largest(answer.at("dropped_targets"))));
     for (const Json& warning : answer.at("warnings")) add("warning", Role::Warning, warningText(warning));
     QStringList facts{tr("%1 vertices").arg(number("vertices"))};

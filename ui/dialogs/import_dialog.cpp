@@ -238,6 +238,7 @@ ImportRequest ImportDialog::chosen() const {
     request.unit = Unit(unit_->currentIndex());
     request.up = UpAxis(up_->currentIndex());
     request.split = split_->isChecked();
+    request.bonesSuffice = noMesh_;
     return request;
 }
 
@@ -306,6 +307,12 @@ void ImportDialog::addIssue(const MeshIssue& issue) {
 }
 
 void ImportDialog::showResult() {
+    clips_ = false;
+    const auto hasNoMesh = [](const auto& outcome) { return !outcome && outcome.error().code == "empty-mesh"; };
+    if (!clipsFor_.empty() && !noMesh_ && (whole() ? hasNoMesh(*character_->result()->file) : hasNoMesh(*job_->result()))) {
+        noMesh_ = true;  // once more, for its bones
+        return choose(true);
+    }
     if (!whole()) {
         // What is not one clean closed surface is a whole character, and so is what looks like a creature, unless somebody said otherwise.
         const auto outcome = job_->result();
@@ -316,7 +323,7 @@ void ImportDialog::showResult() {
     issues_->clear();
     facts_->clear();
     whole() ? showCharacter() : showElements();
-    if (replaced_.empty()) import_->setText(soft() ? tr("Import and make soft") : tr("Import"));
+    if (replaced_.empty() && !clips_) import_->setText(soft() ? tr("Import and make soft") : tr("Import"));
     if (import_->isEnabled()) (sizeQuestion_->isHidden() ? import_ : takeUnit_)->setFocus();
 }
 
@@ -370,6 +377,10 @@ void ImportDialog::showCharacter() {
         return say(errorText(made.file->error()), "error");
     }
     const CharacterFile& file = **made.file;
+    if (file.renderModel.mesh.body.triangles.rows() == 0) {
+        preview_->show(Result<ImportResult>(tl::unexpected(made.body->error())));
+        return showClips(file);
+    }
     const Body* body = *made.body ? &**made.body : nullptr;
     const Proposal* proposal = made.proposal && *made.proposal ? &**made.proposal : nullptr;
     preview_->show(file, body, proposal);
@@ -421,6 +432,21 @@ void ImportDialog::showCharacter() {
     import_->setEnabled(body != nullptr);
 }
 
+void ImportDialog::showClips(const CharacterFile& file) {
+    for (QWidget* widget : std::initializer_list<QWidget*>{wholeCard_, elementsCard_, soft_, bodyLabel_, body_, detailLabel_, detail_}) widget->hide();
+    for (const MeshIssue& issue : file.issues) addIssue(issue);
+    if (!file.rig || file.rig->clips.empty()) return say(tr("The file holds bones, but neither a mesh nor clips."), "error");
+    say(tr("The file holds no mesh, but %n clip(s) that can move “%1”.", nullptr, int(file.rig->clips.size())).arg(QString::fromStdString(clipsFor_)), "good");
+    QStringList lines;
+    for (const RigClip& clip : file.rig->clips) lines << QStringLiteral("%1 · %2").arg(QString::fromStdString(clip.name), durationText(clip.seconds));
+    constexpr qsizetype kShown = 8;
+    if (const qsizetype more = lines.size() - kShown; more > 0) lines = lines.mid(0, kShown) << tr("%n more", nullptr, int(more));
+    facts_->setText(lines.join(u'\n'));
+    clips_ = true;
+    import_->setText(tr("Import clips"));
+    import_->setEnabled(true);
+}
+
 void ImportDialog::askAboutSize(const std::optional<SizeDoubt>& doubt) {
     doubt_ = doubt;
     if (!doubt || doubt->unit.empty() || unit_->currentIndex() != 0 || QSettings().value(kSizes).toMap().contains(keyOfFile(path_))) return;
@@ -464,6 +490,7 @@ Json ImportDialog::command() const {
     import.path = path_.toStdString();
     if (unit_->currentIndex() > 0) import.unit = kUnits[unit_->currentIndex()];
     if (up_->currentIndex() > 0) import.up = kAxes[up_->currentIndex()];
+    if (clips_) return commands::importClips(clipsFor_, import);
     if (!replaced_.empty()) return commands::replaceMesh(replaced_, whole(), import, body().how == BodyKind::Auto ? std::string() : std::string(nameOf(body().how)));
     if (whole()) {
         const BodyKind how = body().how;

@@ -39,7 +39,10 @@ public:
     /// The mesh is to take the place of that of a character (`whole`) or of an element, instead of coming in beside.
     void replaces(const std::string& name, bool whole);
 
-    [[nodiscard]] Json command() const;  ///< import-element, import-character, make-soft or replace-mesh with what was chosen
+    /// Of a file without a mesh the clips may come in, for this character's skeleton.
+    void offerClips(const std::string& character) { clipsFor_ = character; }
+
+    [[nodiscard]] Json command() const;  ///< import-element, import-character, make-soft, replace-mesh or import-clips with what was chosen
     [[nodiscard]] const ImportRequest& request() const;
     [[nodiscard]] std::shared_ptr<const Result<ImportResult>> prepared() const;
     /// Null: it is to become elements.
@@ -52,6 +55,7 @@ private:
     void showResult();
     void showElements();
     void showCharacter();
+    void showClips(const CharacterFile& file);
     [[nodiscard]] bool soft() const;  ///< it is to be made soft at once
     void chooseBones();
     void chooseLinks();
@@ -72,6 +76,8 @@ private:
     bool chosenByHand_ = false, wantsSkeleton_ = false;
     ProposalRequest asked_;
     std::string replaced_;  ///< name of what gets the mesh, empty: none
+    std::string clipsFor_;  ///< name of the character that may get clips, empty: none
+    bool noMesh_ = false, clips_ = false;  ///< the file has no mesh; its clips are what comes in
     MeshPreview* preview_;
     QComboBox* unit_;
     QComboBox* up_;

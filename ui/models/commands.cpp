@@ -92,7 +92,11 @@ bool isMakeSoft(const Json& command) { return command.at("do") == "make-soft"; }
 
 Json importSkeleton(const std::string& character, const std::string& path) { return {{"do", "import-skeleton"}, {"character", character}, {"path", path}}; }
 
-Json importClips(const std::string& character, const std::string& path) { return {{"do", "import-clips"}, {"character", character}, {"path", path}}; }
+Json importClips(const std::string& character, const Import& import) {
+    Json command = importCommand("import-clips", import);
+    command["character"] = character;
+    return command;
+}
 
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take) { return {{"do", "take-clip"}, {"character", character}, {"clip", clip}, {"take", take}}; }
 
@@ -129,6 +133,7 @@ Json exportCharacter(const Export& choices) {
     if (choices.targets) command["targets"] = *choices.targets > 0 ? Json(*choices.targets) : Json("all");
     add(command, "split", choices.split);
     add(command, "quantise", choices.quantise);
+    add(command, "compress", choices.compress);
     add(command, "normals", choices.normals);
     return command;
 }

@@ -59,7 +59,7 @@ Json makeSoft(const std::string& character, const ChosenBones& bones = {});
 /// The bones and clips of a file for a character.
 Json importSkeleton(const std::string& character, const std::string& path);
 /// The clips of a file for the skeleton that a character has.
-Json importClips(const std::string& character, const std::string& path);
+Json importClips(const std::string& character, const Import& import);
 /// A take of a clip of the character's file. `take`: its name.
 Json takeClip(const std::string& character, const std::string& clip, const std::string& take);
 /// A character that is there, as a proposal says; nothing is precomputed.
@@ -78,7 +78,7 @@ struct Export {
     std::string take;                 ///< for OneTake
     std::optional<double> fps;        ///< these stand for what differs from the preset
     std::optional<int> targets;       ///< 0: all
-    std::optional<bool> split, quantise, normals;
+    std::optional<bool> split, quantise, compress, normals;
 };
 Json exportCharacter(const Export& choices);
 

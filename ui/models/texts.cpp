@@ -256,6 +256,8 @@ const std::map<std::string, const char*> kIssues = {
     {"flat", QT_TRANSLATE_NOOP("Issues", "The body is extremely thin. Give it more thickness.")},
     {"avatar", QT_TRANSLATE_NOOP("Issues", "A VRM avatar: its humanoid bones, expressions and licence came along.")},
     {"avatar-kept", QT_TRANSLATE_NOOP("Issues", "Springs, first person and look-at of the avatar are kept for export and move nothing here.")},
+    {"avatar-constraints", QT_TRANSLATE_NOOP("Issues", "Constraints between bones of the avatar have no effect here and do not go out again.")},
+    {"toon", QT_TRANSLATE_NOOP("Issues", "Of toon shading colours and pictures came; shade colours, rims and outlines are not shown and do not go out again.")},
     {"avatar-dropped", QT_TRANSLATE_NOOP("Issues", "What the avatar says of pictures, materials and things that did not come with it was left out.")},
     {"avatar-damaged", QT_TRANSLATE_NOOP("Issues", "What the avatar says wrongly or of things that do not exist was left out.")},
     {"ktx2", QT_TRANSLATE_NOOP("Issues", "Textures in KTX2 are not read and were left out. Export them as PNG or JPEG.")},

@@ -279,11 +279,14 @@ void FileFlow::nextImport() {
     auto* dialog = new ImportDialog(next.path, window_);
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     if (next.lead != Lead::Anything) dialog->leadToSoft(next.lead == Lead::RiggedFile);
+    if (const CharacterSource* character = openCharacter()) dialog->offerClips(character->name);
     connect(dialog, &QDialog::finished, this, [this, dialog, path = next.path](int answer) {
         importing_ = false;
         if (answer == QDialog::Accepted) {
             const Json command = dialog->command();
-            if (commands::isMakeSoft(command)) {
+            if (command.at("do") == "import-clips") {
+                importClips(command);
+            } else if (commands::isMakeSoft(command)) {
                 startSoft(command, QFileInfo(path).completeBaseName(), dialog->preparedCharacter());
             } else {
                 *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
@@ -295,6 +298,16 @@ void FileFlow::nextImport() {
         nextImport();
     });
     dialog->open();
+}
+
+const CharacterSource* FileFlow::openCharacter() const {
+    const Document& d = document_.document();
+    const auto moves = [](const CharacterSource* c) { return c && c->rig && !c->rig->bones.empty(); };
+    for (const SelectionItem& item : document_.selection())
+        if (const CharacterSource* c = characterOf(d, item); moves(c)) return c;
+    for (const auto& [id, character] : d.characters)
+        if (moves(character.get())) return character.get();
+    return nullptr;
 }
 
 void FileFlow::finishImport(const Json& answer) {
@@ -356,14 +369,14 @@ void FileFlow::askImportClips(const CharacterSource& character) {
     const QString path = QFileDialog::getOpenFileName(window_, tr("Import clips"), start, meshFilter(kRigged));
     if (path.isEmpty()) return;
     QSettings().setValue(kMeshFolder, QFileInfo(path).absolutePath());
-    if (const CharacterSource* now = document_.document().characterNamed(name)) importClips(*now, path);
+    if (document_.document().characterNamed(name)) importClips(commands::importClips(name, {path.toStdString(), {}, {}}));
 }
 
-void FileFlow::importClips(const CharacterSource& character, const QString& path) {
+void FileFlow::importClips(const Json& command) {
     StepFlow::Wish wish;
-    wish.command = commands::importClips(character.name, path.toStdString());
-    wish.title = tr("Importing the clips of “%1”").arg(QFileInfo(path).fileName());
-    wish.done = [this, name = QString::fromStdString(character.name)](const Json& answer) {
+    wish.command = command;
+    wish.title = tr("Importing the clips of “%1”").arg(QFileInfo(QString::fromStdString(command.at("path").get<std::string>())).fileName());
+    wish.done = [this, name = QString::fromStdString(command.at("character").get<std::string>())](const Json& answer) {
         const Json& clips = answer.at("clips");
         QString text = tr("“%1” has %n clip(s) more: make takes of them.", nullptr, int(clips.size())).arg(name);
         QStringList lost;

@@ -56,7 +56,7 @@ public:
     void importSkeleton(const CharacterSource& character, const QString& path);
     /// Asks for a file whose clips the skeleton of a character gets.
     void askImportClips(const CharacterSource& character);
-    void importClips(const CharacterSource& character, const QString& path);
+    void importClips(const Json& command);
     void askAppend();
     /// Adds another project to this one, beside it.
     void append(const QString& path);
@@ -91,6 +91,8 @@ private:
     Result<Json> read(const Json& open);
     Result<Json> write(const Json& save);
     void nextImport();
+    /// The selected character that has a skeleton, else the first; null: none has.
+    [[nodiscard]] const CharacterSource* openCharacter() const;
     void finishImport(const Json& answer);
     void madeSoft(const Json& answer, bool isNew);
     void startSoft(const Json& command, const QString& name, const std::shared_ptr<const PreparedCharacter>& made);
