@@ -25,6 +25,7 @@ class CharacterJob;
 class ChoiceCard;
 class ImportJob;
 class MeshPreview;
+struct CharacterFile;
 struct PreparedCharacter;
 
 /// Asks how a mesh file is to be read, and shows what it would become: elements, or one whole character with a body that moves it, which is the first choice for what is not one
