@@ -242,7 +242,14 @@ Result<CharacterPlan> planCharacter(const Document& document) {
         plan.bones.push_back(ids[index]);
     }
 
-    if (document.settings.bodyFollows > 0.0) letBodyFollow(skeleton, document.settings.bodyFollows);
+    if (document.settings.bodyFollows > 0.0) {
+        std::vector<int> elementOf;
+        for (const PartId id : plan.bones) {
+            const auto element = document.elements.find(document.bones.at(id)->element);
+            elementOf.push_back(element == document.elements.end() ? -1 : static_cast<int>(std::distance(document.elements.begin(), element)));
+        }
+        letBodyFollow(skeleton, document.settings.bodyFollows, elementOf);
+    }
 
     // Elements.
     plan.input.basis = document.settings.basis;

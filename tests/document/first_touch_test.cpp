@@ -2,9 +2,12 @@
 // The first touch: each free end of a character that stands is dragged by a fifth of its height in six directions. The limb follows, the trunk stays upright, the feet stay where they are.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numbers>
 #include <string>
@@ -42,6 +45,22 @@ struct Touched {
     std::string worst;
 };
 
+/// Degrees by which bones turn together, as a frame: the best rotation of all of them.
+double turnedTogether(const Ends& from, const Ends& to, const std::vector<std::string>& bones) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const std::string& name : bones) {
+        const auto &a = from.at(name), &b = to.at(name);
+        sum += (b[1] - b[0]) * (a[1] - a[0]).transpose();
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d u = svd.matrixU();
+    if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
+    return kDegrees * Eigen::AngleAxisd(u * svd.matrixV().transpose()).angle();
+}
+
+/// So many bones of a trunk meet in its middle: they are a frame.
+constexpr std::size_t kFrame = 4;
+
 /// `trunk`: its bones.
 Touched touch(Workbench& w, const std::vector<std::string>& trunk, double height) {
     Touched out;
@@ -60,7 +79,10 @@ Touched touch(Workbench& w, const std::vector<std::string>& trunk, double height
                 w.good({{"do", "step"}, {"frames", 120}});
                 const Ends now = endsOf(w.session);
                 double lean = 0.0, limb = 0.0;
-                for (const std::string& name : trunk) lean = std::max(lean, turned(rest.at(name), now.at(name)));
+                if (trunk.size() >= kFrame)
+                    lean = turnedTogether(rest, now, trunk);
+                else
+                    for (const std::string& name : trunk) lean = std::max(lean, turned(rest.at(name), now.at(name)));
                 for (const auto& [name, ends] : rest)
                     if (std::find(trunk.begin(), trunk.end(), name) == trunk.end()) limb = std::max(limb, turned(ends, now.at(name)));
                 for (const auto& [name, ends] : rest)
@@ -127,6 +149,27 @@ void checkStranger(const std::string& name, const std::vector<std::string>& trun
     checkTouch(w, name, trunk);
 }
 
+/// From its shape alone, where the third-party file is there. Bones whose names hold `trunk` and that run through the piece of that name are its trunk.
+void checkShape(const std::string& file, const std::string& trunk, std::size_t feet) {
+    const std::filesystem::path path = std::filesystem::path(IMOMUSHI_SHARED_MESHES) / file;
+    if (!std::filesystem::exists(path)) {
+        MESSAGE(file << " is not there");
+        return;
+    }
+    Workbench w;
+    w.session.setCharacterImporter({});
+    const Json made = w.good({{"do", "make-soft"}, {"path", path.string()}, {"precompute", false}, {"alive", true}, {"from", "shape"}});
+    CHECK(made["refused"].empty());
+    CHECK(w.session.document().settings.bodyFollows == 1.0);
+    CHECK(w.session.document().goals.size() == feet);
+    for (const char* effect : {"bone-dynamics", "ground"}) w.good({{"do", "disable"}, {"effect", effect}});
+    std::vector<std::string> bones;
+    for (const auto& [id, bone] : w.session.document().bones)
+        if (bone->name.find(trunk) != std::string::npos && w.session.document().elements.contains(bone->element) && w.session.document().elements.at(bone->element)->name == "trunk") bones.push_back(bone->name);
+    CHECK(!bones.empty());
+    checkTouch(w, file, bones);
+}
+
 }  // namespace
 
 TEST_CASE("first touch: what is made alive has its effects, and without the key nothing is enabled") {
@@ -142,6 +185,12 @@ TEST_CASE("first touch: characters of others that stand keep their trunks uprigh
     checkStranger("mannequin", {"rig:Hips", "rig:Spine"});
     checkStranger("avatar", {"hips", "spine"});
     checkStranger("panda", {"hips to spine1", "spine1"});
+}
+
+TEST_CASE("first touch: four-legged strangers without a rig keep their trunks upright and their feet where they are") {
+    checkShape("spot.obj", "base", 4);
+    checkShape("model-horse.glb", "trunk bone", 4);
+    checkShape("penguin.obj", "trunk bone", 2);
 }
 
 TEST_CASE("first touch: samples that stand keep their trunks upright and their feet where they are") {

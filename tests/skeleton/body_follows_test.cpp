@@ -99,3 +99,51 @@ TEST_CASE("body follows: who is turned by the feet turns as a whole") {
         CHECK((pose.points[7] - knee).norm() < 0.03);
     }
 }
+
+TEST_CASE("body follows: bones that meet in the middle of a trunk without a bone of its own keep it upright") {
+    // Four legs, a head with a horn on either side, and a tail, each on a bone from the middle.
+    Skeleton s;
+    std::vector<int> elementOf;
+    s.points = {{0, .45, 0}};
+    const auto add = [&](int start, const Vec3& end, int parent, int element) {
+        Skeleton::Bone bone;
+        bone.start = start, bone.end = static_cast<int>(s.points.size()), bone.parent = parent;
+        bone.length = (end - s.points[static_cast<std::size_t>(start)]).norm();
+        s.points.push_back(end);
+        s.bones.push_back(bone);
+        elementOf.push_back(element);
+        return static_cast<int>(s.bones.size()) - 1;
+    };
+    std::vector<IkGoal> feet;
+    int element = 1;
+    for (const Vec3& foot : {Vec3(.3, 0, .4), Vec3(-.3, 0, .4), Vec3(.3, 0, -.4), Vec3(-.3, 0, -.4)}) {
+        const int base = add(0, Vec3(.8 * foot.x(), .25, .9 * foot.z()), s.bones.empty() ? -1 : 0, 0);
+        const int leg = add(s.bones[static_cast<std::size_t>(base)].end, foot, base, element++);
+        feet.push_back({s.bones[static_cast<std::size_t>(leg)].end, foot, false, 0.0, true});
+    }
+    const int neck = add(0, Vec3(0, .9, .5), 0, 0), head = add(s.bones[static_cast<std::size_t>(neck)].end, Vec3(0, 1.2, .7), neck, element++);
+    const int top = s.bones[static_cast<std::size_t>(head)].end;
+    for (const double side : {.3, -.3}) add(top, Vec3(side, 1.4, .7), head, element++);
+    const int tail = add(0, Vec3(0, .6, -.6), 0, 0);
+    add(s.bones[static_cast<std::size_t>(tail)].end, Vec3(0, .5, -.8), tail, element++);
+    double lean[2] = {};
+    for (const bool known : {false, true}) {
+        letBodyFollow(s, 1.0, known ? std::span<const int>(elementOf) : std::span<const int>());
+        InverseKinematics ik(s);
+        for (const Vec3& by : {Vec3(.28, 0, 0), Vec3(0, .28, 0), Vec3(0, 0, -.28)}) {
+            Pose pose = restPose(s);
+            std::vector<IkGoal> goals = feet;
+            goals.push_back({top, s.points[static_cast<std::size_t>(top)] + by});
+            CHECK(settle(ik, goals, pose) < 1000);
+            for (const int b : {0, 2, 4, 6, neck, tail}) lean[known ? 1 : 0] = std::max(lean[known ? 1 : 0], turnOf(s, pose, static_cast<std::size_t>(b)));
+            if (known) CHECK(turnOf(s, pose, static_cast<std::size_t>(head)) > turnOf(s, pose, static_cast<std::size_t>(neck)));
+        }
+    }
+    MESSAGE("the trunk turns by " << lean[0] << " degrees where its element is not known, else by " << lean[1]);
+    CHECK(lean[1] < 15.0);
+    CHECK(lean[1] < 0.8 * lean[0]);
+    // An end that nothing hangs on is a limb, not the frame.
+    letBodyFollow(s, 1.0, elementOf);
+    const double ear = s.bones[static_cast<std::size_t>(head) + 1].upright;
+    CHECK(ear < 0.2 * s.bones[static_cast<std::size_t>(neck)].upright);
+}
