@@ -605,6 +605,14 @@
             <translation>指と表面の間のクーロンの摩擦係数。0：まっすぐ押すだけ。</translation>
         </message>
         <message>
+            <source>Finger tip</source>
+            <translation>指先</translation>
+        </message>
+        <message>
+            <source>Radius of finger tips, smooth spheres, which make fine dents at once. 0: only patches give way.</source>
+            <translation>滑らかな球である指先の半径。細かいへこみがすぐにできます。0：パッチだけがへこみます。</translation>
+        </message>
+        <message>
             <source>Release</source>
             <translation>戻る時間</translation>
         </message>

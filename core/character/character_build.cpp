@@ -134,6 +134,7 @@ void Character::State::buildElement(std::size_t e) {
         out.patchForces = out.shownPatchForces = Eigen::VectorXd::Zero(runtime.touch->touch().columns());
         out.dents = AlignedBuffer<float>(3 * kVertexBlock * runtime.bodyBlocks);
         out.touchBlocks = runtime.touchBlocks;
+        if (runtime.dents) out.fingerDents = out.shownFingerDents = std::vector<Dent>(TouchContact::kDents);
     }
     out.positions = AlignedBuffer<float>(3 * runtime.paddedVertices());
     out.normals = AlignedBuffer<float>(3 * padded);

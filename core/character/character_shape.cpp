@@ -14,6 +14,8 @@ namespace {
 
 double* put(double* to, const double* from, Eigen::Index count) { return std::copy_n(from, count, to); }
 
+Eigen::Index dentNumbers(const ElementFrame& e) { return Dent::kNumbers * static_cast<Eigen::Index>(e.fingerDents.size()); }
+
 Vec3 mixed(const Vec3& a, const Vec3& b, double part) { return a + part * (b - a); }
 
 /// The short way round; the sign follows the first.
@@ -27,7 +29,7 @@ Quaterniond turned(const double* a, const double* b, double part) {
 ShapeLayout Character::shapeLayout() const {
     ShapeLayout layout;
     const Frame& f = state_->frame;
-    for (const auto& e : f.elements) layout.elements.push_back({static_cast<int>(e.weights().size()), static_cast<int>(e.patchForces.size()), e.fades ? 1 : 0});
+    for (const auto& e : f.elements) layout.elements.push_back({static_cast<int>(e.weights().size()), static_cast<int>(e.patchForces.size() + dentNumbers(e)), e.fades ? 1 : 0});
     layout.joints = static_cast<int>(f.joints.size());
     layout.warping = f.warpingShapes;
     layout.nodes = static_cast<int>(f.offsets.size());
@@ -43,6 +45,10 @@ void Character::shape(double* to) const {
         to = put(to, e.frame.shift.data(), 3);
         to = put(to, e.weights().data(), e.weights().size());
         to = put(to, e.patchForces.data(), e.patchForces.size());
+        for (const Dent& dent : e.fingerDents) {
+            dent.put(to);
+            to += Dent::kNumbers;
+        }
         if (e.fades) *to++ = e.warpPart;
     }
     for (const auto& j : s.joints) {
@@ -78,6 +84,10 @@ void Character::show(const double* from) {
             take(e.v.data(), e.v.size());
         }
         take(e.patchForces.data(), e.patchForces.size());
+        for (Dent& dent : e.fingerDents) {
+            dent.take(from);
+            from += Dent::kNumbers;
+        }
         if (e.fades) take(&e.warpPart, 1);
     }
     for (auto& j : s.joints) {
@@ -114,7 +124,14 @@ void Character::between(const double* a, const double* b, double part, double* t
         const Vec3 shift = place - q.toRotationMatrix() * e.runtime->middle;
         to = put(to, shift.data(), 3);
         a += 3, b += 3;
-        mix(e.weights().size() + e.patchForces.size() + (e.fades ? 1 : 0));
+        mix(e.weights().size() + e.patchForces.size());
+        for (std::size_t i = 0; i < e.fingerDents.size(); ++i, a += Dent::kNumbers, b += Dent::kNumbers, to += Dent::kNumbers) {
+            Dent first, second;
+            first.take(a);
+            second.take(b);
+            Dent::between(first, second, part).put(to);
+        }
+        mix(e.fades ? 1 : 0);
     }
     for (const auto& j : s.joints) {
         const Matrix3d fromTurn = Eigen::Map<const Quaterniond>(a).toRotationMatrix(), toTurn = Eigen::Map<const Quaterniond>(b).toRotationMatrix();

@@ -7,7 +7,7 @@ namespace imomushi {
 
 /// How the numbers of a character's shape are ordered (Character::shape()):
 ///   per element  rotation x y z w and shift (m) of its frame, rest to world; weights: v, then body loads (ElementResponse); the forces of
-///                touch patches (over the shear modulus, m^2); where the bend warp is automatic, how much of it is shown
+///                touch patches (over the shear modulus, m^2); where its fingers have tips, TouchContact::kDents dents (Dent::put()); where the bend warp is automatic, how much of it is shown
 ///   per joint    rotation x y z w; the linear part of its map, rest to world, column by column, and the shift (m); the part of its shape that is shown;
 ///                its warping, world, 3 per shape (JointEquilibrium)
 ///   per node     the offset (m) of a face vertex of the previous model, in the rest axes of its joint
@@ -17,7 +17,7 @@ struct ShapeLayout {
     static constexpr int kFrame = 7, kJoint = 17;
     struct Element {
         int weights = 0;
-        int forces = 0;
+        int forces = 0;  ///< with the numbers of dents
         int fades = 0;  ///< 0 or 1
         [[nodiscard]] int size() const { return kFrame + weights + forces + fades; }
         bool operator==(const Element&) const = default;

@@ -47,7 +47,7 @@ void Character::State::decideWork(ElementFrame& out) {
     const bool warped = runtime.warp && out.warpPart > 0.0, sameShape = out.sameShape;
     // Dents are added to `local`, unless they and what is under them stay as they are.
     const bool pressed = (out.patchForces.array() != 0.0).any();
-    if (out.moved ? pressed : out.patchForces != out.shownPatchForces) out.wantsLocal = true;
+    if (out.moved ? pressed : out.patchForces != out.shownPatchForces || out.fingerDents != out.shownFingerDents) out.wantsLocal = true;
     const bool external = out.wantsExternal && !out.wantsLocal && !out.wantsHere && !warped && !pressed;
     out.moved = out.moved || out.wantsLocal || external != out.external;
     out.external = external;
@@ -93,7 +93,10 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
 }
 
 void Character::State::beginDents(ElementFrame& out) const {
-    if (!frame.replaying) out.patchForces.setZero();
+    if (!frame.replaying) {
+        out.patchForces.setZero();
+        std::fill(out.fingerDents.begin(), out.fingerDents.end(), Dent());
+    }
     out.wantsLocal = false;
 }
 
@@ -103,6 +106,7 @@ void Character::State::placeDents() {
     for (auto& out : frame.elements) {
         if (out.patchForces.size() == 0 || !out.moved) continue;
         out.shownPatchForces = out.patchForces;
+        out.shownFingerDents = out.fingerDents;
         out.touchBlocks.weigh(out.patchForces);
         out.dented = out.touchBlocks.idle() ? nullptr : out.dents.data();
         if (out.dented) bytes += out.dents.bytes() * static_cast<std::size_t>(out.touchBlocks.activeColumns());
@@ -114,6 +118,7 @@ void Character::State::placeDents() {
             if (!out.moved || !out.dented || p.begin >= end) return;
             std::copy_n(out.local.data() + first, 3 * kVertexBlock * (end - p.begin), out.dents.data() + first);
             out.touchBlocks.add(p.begin, end, out.dents.data());
+            if (out.runtime->dents) out.runtime->dents->add(out.fingerDents, p.begin, end, out.dents.data());
             place(out.dents.data(), out.blocks.first(), out.placement, p.begin, end, out.positions.data());
         });
     frame.dentMs = dentMs += milliseconds(start, std::chrono::steady_clock::now());

@@ -217,6 +217,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         out.touch = like->touch;
         out.touchBlocks = like->touchBlocks;
         out.contact = like->contact;
+        out.dents = like->dents;
         return std::shared_ptr<const ElementRuntime>(std::move(made));
     }
     out.stencils = normalStencils(body.vertices, triangles, out.scale());
@@ -233,6 +234,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
             if (!surface) return tl::unexpected(surface.error());
             out.touch = std::move(*surface);
             out.touchBlocks = TouchBlocks(*given.response, first);
+            if (given.tables.dents) out.dents = std::make_shared<const DentSurface>(*given.mesh, given.faces, out.touch, given.nu, first);
             if (given.tables.contact) out.contact = std::make_shared<const ContactSurface>(*given.mesh, out.touch);
         }
     }

@@ -16,6 +16,7 @@
 #include "core/reduction/element_response.h"
 #include "core/reduction/embedded_mapping.h"
 #include "core/touch/contact_surface.h"
+#include "core/touch/dent_surface.h"
 #include "core/touch/touch_blocks.h"
 #include "core/touch/touch_surface.h"
 #include "core/warp/bend_warp_tables.h"
@@ -29,6 +30,7 @@ struct ElementTables {
     bool fades = false;      ///< ElementRuntime::watch; frames without the warp are a product
     bool touch = false;      ///< ElementRuntime::touch
     bool contact = false;    ///< ElementRuntime::contact
+    bool dents = false;      ///< ElementRuntime::dents; with touch
     bool operator==(const ElementTables&) const = default;
 };
 
@@ -102,6 +104,7 @@ struct ElementRuntime {
     std::shared_ptr<const TouchSurface> touch;   ///< null: not asked for
     std::shared_ptr<const ContactSurface> contact;  ///< null: not asked for
     TouchBlocks touchBlocks;
+    std::shared_ptr<const DentSurface> dents;    ///< null: not asked for
 };
 
 /// What the bases of joint faces say of their vertices: take(body vertex, first column of its face in v, 3 x columns of its face: displacement (m) per unit of v).

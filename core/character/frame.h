@@ -101,6 +101,8 @@ struct ElementFrame {
     // On its patches, over its shear modulus, m^2, in its axes (TouchResponse); empty: nothing presses it. Who knows them adds them in Stage::Weights; who must see
     // `local` for them asks for it there, and adds them in Stage::Dents.
     Eigen::VectorXd patchForces;
+    // Under finger tips (DentSurface); empty: the touch of this element has none. Added together with forces on patches.
+    std::vector<Dent> fingerDents, shownFingerDents;
     [[nodiscard]] const Eigen::VectorXd& weights() const { return withLoads.size() > 0 ? withLoads : v; }
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;

@@ -9,7 +9,10 @@
 
 namespace imomushi {
 
-void TouchEffect::ask(ElementTables& tables) const { tables.touch = true; }
+void TouchEffect::ask(ElementTables& tables) const {
+    tables.touch = true;
+    tables.dents = tip > 0.0;
+}
 
 Result<void> TouchEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     auto made = TouchJob::build(frame, *this);
@@ -23,7 +26,7 @@ Result<TouchJob> TouchJob::build(Frame& frame, const TouchEffect& settings) {
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         auto& of = frame.elements[e];
         if (!of.runtime->touch || !settings.on(e)) continue;
-        auto contact = TouchContact::build(of.runtime->touch, settings);
+        auto contact = TouchContact::build(of.runtime->touch, settings, of.runtime->dents);
         if (!contact) return tl::unexpected(contact.error());
         made.elements_.push_back({static_cast<int>(e), std::move(*contact), {}, false});
     }
@@ -41,6 +44,7 @@ void TouchJob::run(Stage stage, Frame& frame) {
         } else {
             if (!frame.shifted) aimFingers(touched, frame);  // else the dents are those that are shifted
             out.patchForces += touched.contact.patchForces();
+            if (!out.fingerDents.empty()) std::copy_n(touched.contact.dents().begin(), out.fingerDents.size(), out.fingerDents.begin());
         }
     }
 }

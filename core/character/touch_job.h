@@ -26,6 +26,9 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
                 IMOMUSHI_TEXT("Effects",
                               "How many patches of a surface fingers act on. More of them make finer dents, and a longer precompute."),
                 true, true),
+            number<&TouchEffect::tip>(
+                "tip", "m", 0.0, 1000.0, IMOMUSHI_TEXT("Effects", "Finger tip"),
+                IMOMUSHI_TEXT("Effects", "Radius of finger tips, smooth spheres, which make fine dents at once. 0: only patches give way."), false, true),
             number<&TouchEffect::friction>(
                 "friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
                 IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between a finger and the surface. 0: it only pushes straight in.")),

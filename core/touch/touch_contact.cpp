@@ -13,7 +13,7 @@
 namespace imomushi {
 namespace {
 
-constexpr double kMaxFriction = 10.0, kMaxSeconds = 10.0, kMinStrain = 0.05, kMaxStrain = 0.9;
+constexpr double kMaxFriction = 10.0, kMaxSeconds = 10.0, kMinStrain = 0.05, kMaxStrain = 0.9, kMaxTip = 1000.0;
 /// (1 + x) exp(-x) is a tenth.
 constexpr double kTenth = 3.889720169867429;
 /// Each finger gives way by this part of the compliance of its patches, so that fingers at one place, or at a rim, have an answer.
@@ -22,6 +22,8 @@ constexpr double kSoftness = 1e-8;
 constexpr double kFarthest = 100.0;
 /// Dents below this part of the size are gone: single precision does not show them.
 constexpr double kGone = 1e-7;
+/// Rounds in which the width of a contact and its depth, which follow from each other, are found: to a percent.
+constexpr int kWidenings = 10;
 /// What is left of coming in, below which a finger is where it wants to be.
 constexpr double kArrived = 1e-7;
 /// Slack in the tests of goals and of the largest strain.
@@ -47,16 +49,18 @@ Result<void> checkTouchSettings(const TouchSettings& s) {
     if (!within(s.pressSeconds, 0.0, kMaxSeconds) || !within(s.releaseSeconds, 0.0, kMaxSeconds))
         return fail("bad-value", "The times of touch must lie between 0 and 10 seconds.");
     if (!within(s.mostStrain, kMinStrain, kMaxStrain)) return fail("bad-value", "The largest strain of touch must lie between 0.05 and 0.9.");
+    if (!within(s.tip, 0.0, kMaxTip)) return fail("bad-value", "The finger tip of touch must lie between 0 and 1000 m.");
     return {};
 }
 
-Result<TouchContact> TouchContact::build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings) {
+Result<TouchContact> TouchContact::build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings,
+                                         std::shared_ptr<const DentSurface> dents) {
     if (auto ok = checkTouchSettings(settings); !ok) return tl::make_unexpected(ok.error());
-    return TouchContact(std::move(surface), settings);
+    return TouchContact(std::move(surface), settings, std::move(dents));
 }
 
-TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings)
-    : surface_(std::move(surface)), settings_(settings), solver_(kFingers) {
+TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings, std::shared_ptr<const DentSurface> dents)
+    : surface_(std::move(surface)), settings_(settings), dents_(std::move(dents)), solver_(kFingers) {
     const Eigen::Index count = touch().patches.count(), columns = 3 * count;
     for (Finger& finger : fingers_) {
         finger.weights = Eigen::VectorXd::Zero(count);
@@ -66,6 +70,7 @@ TouchContact::TouchContact(std::shared_ptr<const TouchSurface> surface, const To
     left_ = leftRate_ = total_ = before_ = Eigen::VectorXd::Zero(columns);
     weights_ = nextWeights_ = Eigen::VectorXd::Zero(count);
     gradients_ = Eigen::VectorXd::Zero(touch().gradients.rows());
+    if (dents_) byPatches_.assign(kFingers * kFingers, Eigen::Matrix3d::Zero());
 }
 
 Result<void> TouchContact::set(const TouchSettings& settings) {
@@ -97,6 +102,33 @@ void TouchContact::findCompliance(std::size_t finger) {
         if (other != finger) moved(fingers_[other], f, solver_.compliance(other, finger));
     }
     solver_.compliance(finger, finger).diagonal().array() += kSoftness * mean;
+    if (!dents_) return;
+    for (std::size_t other = 0; other < fingers_.size(); ++other) {
+        byPatches_[finger * kFingers + other] = solver_.compliance(finger, other);
+        byPatches_[other * kFingers + finger] = solver_.compliance(other, finger);
+    }
+}
+
+/// Displacement of the finger's point per force of a dent.
+Eigen::Matrix3d TouchContact::dented(const Finger& finger, const Dent& by) const {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (std::size_t c = 0; c < 3; ++c)
+        if (const double part = finger.point.barycentric[static_cast<Eigen::Index>(c)]; part > 0.0) sum += part * dents_->compliance(by, finger.corner[c]);
+    return sum;
+}
+
+/// Its contact is that of a sphere as deep as it would press alone (radius^2 = tip * depth), but as wide as mostStrain wants, which slopes are, and the vertices.
+void TouchContact::widen(std::size_t finger) {
+    Finger& f = fingers_[finger];
+    const double wide = f.dent.patchRadius, depth = -f.goal.dot(f.normal), patches = f.normal.dot(byPatches_[finger * kFingers + finger] * f.normal);
+    const auto contact = [&](double deep) { return std::max({std::sqrt(f.tip * deep), deep / settings_.mostStrain, f.narrowest}); };
+    double radius = std::min(contact(depth), wide);
+    for (int i = 0; i < kWidenings && radius > 0.0; ++i) {
+        f.dent.radius = radius;
+        const double all = patches + f.normal.dot(dented(f, f.dent) * f.normal);
+        radius = std::min(std::sqrt(radius * contact(depth * dents_->depth() / (radius * all))), wide);
+    }
+    f.dent.radius = radius < wide ? radius : 0.0;
 }
 
 /// The largest of the probes, Frobenius.
@@ -113,8 +145,12 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
     f.point.barycentric = point.barycentric.cwiseMax(0.0);
     f.point.barycentric /= f.point.barycentric.sum();
     f.corner = surface_->corners(point.triangle);
-    surface_->weigh(f.point, radius, weights_, nextWeights_);
+    const bool dents = dents_ && settings_.tip > 0.0;
+    f.tip = radius > 0.0 ? radius : settings_.tip;
+    surface_->weigh(f.point, dents ? 0.0 : radius, weights_, nextWeights_);
     f.weights = weights_;
+    f.dent = dents ? dents_->at(f.point, f.weights) : Dent();
+    f.narrowest = dents ? dents_->narrowest(f.point) : 0.0;
     f.rows.setZero();
     for (std::size_t c = 0; c < 3; ++c) {
         const std::int32_t row = surface_->row(f.corner[c]);
@@ -183,7 +219,13 @@ void TouchContact::leave(Finger& finger) {
         for (Eigen::Index p = 0; p < finger.weights.size(); ++p)
             if (finger.weights[p] > 0.0) left_.segment<3>(3 * p) += finger.weights[p] * finger.force;
         resting_ = false;
+        if (finger.dent.active()) {
+            // Where there are too many, the weakest goes at once.
+            auto weakest = std::min_element(fading_.begin(), fading_.end(), [](const Fading& a, const Fading& b) { return a.dent.force.squaredNorm() < b.dent.force.squaredNorm(); });
+            *weakest = {finger.dent, Vec3::Zero()};
+        }
     }
+    finger.dent.force.setZero();
     finger.force.setZero();
     finger.slip.setZero();
     finger.remaining = 1.0;
@@ -197,6 +239,7 @@ void TouchContact::lift(int finger) {
     f.down = f.aimed = f.clamped = false;
     f.state = State::Up;
     f.moved.setZero();
+    f.dent = {};
 }
 
 void TouchContact::liftAll() {
@@ -207,6 +250,7 @@ void TouchContact::reset() {
     liftAll();
     left_.setZero();
     leftRate_.setZero();
+    fading_ = {};
     resting_ = true;
     sumForces();
 }
@@ -224,6 +268,7 @@ void TouchContact::step(double seconds) {
 void TouchContact::settle() {
     left_.setZero();
     leftRate_.setZero();
+    fading_ = {};
     resting_ = true;
     for (Finger& finger : fingers_) {
         if (finger.wanted.dot(finger.normal) < 0.0)
@@ -247,9 +292,17 @@ void TouchContact::advance(double seconds) {
             leftRate_[i] = (leftRate_[i] - omega * slope * seconds) * e;
             most += surface_->largestDisplacement()[i / 3] * (std::abs(left_[i]) + (omega > 0.0 ? std::abs(leftRate_[i]) / omega : 0.0));
         }
+        for (Fading& gone : fading_)
+            for (int axis = 0; axis < 3 && gone.dent.radius > 0.0; ++axis) {
+                const double slope = gone.rate[axis] + omega * gone.dent.force[axis];
+                gone.dent.force[axis] = (gone.dent.force[axis] + slope * seconds) * e;
+                gone.rate[axis] = (gone.rate[axis] - omega * slope * seconds) * e;
+                most += dents_->depth() / gone.dent.radius * (std::abs(gone.dent.force[axis]) + (omega > 0.0 ? std::abs(gone.rate[axis]) / omega : 0.0));
+            }
         if (most <= kGone * surface_->size()) {
             left_.setZero();
             leftRate_.setZero();
+            fading_ = {};
             resting_ = true;
         }
     }
@@ -278,6 +331,11 @@ void TouchContact::solve() {
         f.goal = (1.0 - f.remaining) * f.wanted;
         // Alone it would press no deeper than the largest gradient.
         const Vec3 before = f.force;
+        if (f.dent.patchRadius > 0.0) {
+            widen(i);
+            solver_.compliance(i, i) = byPatches_[i * kFingers + i];
+            if (f.dent.radius > 0.0) solver_.compliance(i, i) += dented(f, f.dent);
+        }
         ContactSolver::solveAlone(solver_.compliance(i, i), f.goal, settings_.friction, f);
         gradients_.noalias() = f.gradients.transpose() * f.force;
         if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
@@ -286,8 +344,18 @@ void TouchContact::solve() {
         }
         f.force = before;
         if (!resting_) f.goal.noalias() -= f.rows * left_;
+        for (const Fading& gone : fading_)
+            if (!resting_ && gone.dent.active()) f.goal -= dented(f, gone.dent) * gone.dent.force;
         solver_.add(i, f);
     }
+    const auto presses = [](const Finger& f) { return f.down && f.aimed && f.wanted.dot(f.normal) < 0.0; };
+    for (std::size_t i = 0; i < fingers_.size() && dents_; ++i)
+        for (std::size_t j = 0; j < fingers_.size() && presses(fingers_[i]); ++j) {
+            const Finger &of = fingers_[i], &by = fingers_[j];
+            if (i == j || !presses(by)) continue;
+            solver_.compliance(i, j) = byPatches_[i * kFingers + j];
+            if (by.dent.radius > 0.0) solver_.compliance(i, j) += dented(of, by.dent);
+        }
     solver_.solve(settings_.friction, kSlack * surface_->size());
     for (Finger& f : fingers_)
         if (f.down && f.how != ContactPoint::How::None) f.state = f.how == ContactPoint::How::Stick ? State::Sticks : State::Slips;
@@ -317,18 +385,35 @@ void TouchContact::sumForces() {
             total_ *= factor;
             left_ *= factor;
             leftRate_ *= factor;
+            for (Fading& gone : fading_) {
+                gone.dent.force *= factor;
+                gone.rate *= factor;
+            }
             for (Finger& f : fingers_) {
                 f.force *= factor;
                 f.clamped |= f.down && !f.force.isZero(0.0);
             }
         }
     }
+    if (dents_) findDents();
     for (Finger& f : fingers_) {
         f.moved.setZero();
-        if (f.down && any) f.moved.noalias() = f.rows * total_;
+        if (!f.down || !any) continue;
+        f.moved.noalias() = f.rows * total_;
+        for (const Dent& dent : dents())
+            if (dent.active()) f.moved += dented(f, dent) * dent.force;
     }
     idle_ = !any;
     if (total_ != before_) ++revision_;
+}
+
+void TouchContact::findDents() {
+    for (std::size_t i = 0; i < fingers_.size(); ++i) {
+        Finger& f = fingers_[i];
+        f.dent.force = f.force;
+        shown_[i] = f.down && f.dent.active() ? f.dent : Dent();
+    }
+    for (std::size_t i = 0; i < fading_.size(); ++i) shown_[fingers_.size() + i] = fading_[i].dent.active() ? fading_[i].dent : Dent();
 }
 
 void TouchContact::addJointForces(double shear, Eigen::VectorXd& forces) const {
@@ -337,7 +422,7 @@ void TouchContact::addJointForces(double shear, Eigen::VectorXd& forces) const {
 
 std::size_t TouchContact::bytes() const {
     const auto ofFinger = static_cast<std::size_t>(fingers_[0].weights.size() + fingers_[0].rows.size() + fingers_[0].gradients.size());
-    return (4 * static_cast<std::size_t>(left_.size()) + static_cast<std::size_t>(kFingers) * ofFinger) * sizeof(double) + surface_->bytes();
+    return (4 * static_cast<std::size_t>(left_.size()) + static_cast<std::size_t>(kFingers) * ofFinger) * sizeof(double) + byPatches_.size() * sizeof(Eigen::Matrix3d) + surface_->bytes() + (dents_ ? dents_->bytes() : 0);
 }
 
 }  // namespace imomushi

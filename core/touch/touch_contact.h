@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "core/base/result.h"
 #include "core/mesh/mesh.h"
 #include "core/touch/contact_solve.h"
+#include "core/touch/dent_surface.h"
 #include "core/touch/touch_surface.h"
 
 namespace imomushi {
@@ -25,6 +27,9 @@ struct TouchSettings {
     /// Largest displacement gradient (Frobenius norm) that fingers make, 0.05 ... 0.9: how far the flesh gives way before a finger does not get any
     /// deeper. At 1 flesh would be pressed to nothing, or a thin fin bent by 0.7 radians.
     double mostStrain = 0.7;
+    /// m, 0 ... 1000: the tips of fingers are smooth spheres of this radius, unless they are put down with another, and make dents of that width (DentSurface), as wide as a sphere's contact that
+    /// deep, but no steeper than mostStrain. 0: only patches give way.
+    double tip = 0.0;
 };
 /// Errors: "bad-value".
 Result<void> checkTouchSettings(const TouchSettings& settings);
@@ -36,10 +41,12 @@ Result<void> checkTouchSettings(const TouchSettings& settings);
 /// the element rest axes, in which the response is added to the pose; forces are for shear modulus 1.
 class TouchContact {
 public:
-    static constexpr int kFingers = 16;
+    static constexpr int kFingers = 24;
+    static constexpr int kDents = kFingers + 8;  ///< with those that go back
 
     /// Errors: "bad-value" (settings).
-    static Result<TouchContact> build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings);
+    /// dents: of the same surface; null: there are none, whatever the tip.
+    static Result<TouchContact> build(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings, std::shared_ptr<const DentSurface> dents = nullptr);
     /// Errors: "bad-value"; the old settings then stay.
     Result<void> set(const TouchSettings& settings);
 
@@ -74,6 +81,8 @@ public:
     /// Changes when patchForces() do.
     [[nodiscard]] std::uint64_t revision() const { return revision_; }
     [[nodiscard]] const Eigen::VectorXd& patchForces() const { return total_; }  ///< 3 P, over the shear modulus, m^2
+    /// What is added to the displacement by patchForces(): kDents of them, or none.
+    [[nodiscard]] std::span<const Dent> dents() const { return {shown_.data(), dents_ ? shown_.size() : 0}; }
     /// Adds what touch does to the joint parameters, as generalised forces for that shear modulus: - shear * TouchResponse::forces * patchForces(). g
     void addJointForces(double shear, Eigen::VectorXd& forces) const;
 
@@ -101,12 +110,21 @@ private:
         Vec3 wanted = Vec3::Zero();
         double remaining = 1.0, remainingRate = 0.0;  // what is left of the way of coming in, 1 ... 0
         Vec3 moved = Vec3::Zero();
+        Dent dent;                            // at the force of 1; radius 0: none
+        double tip = 0.0, narrowest = 0.0;    // m
+    };
+    struct Fading {
+        Dent dent;
+        Vec3 rate = Vec3::Zero();  // of its force
     };
 
-    TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings);
+    TouchContact(std::shared_ptr<const TouchSurface> surface, const TouchSettings& settings, std::shared_ptr<const DentSurface> dents);
     [[nodiscard]] const TouchResponse& touch() const { return surface_->touch(); }
     void findCompliance(std::size_t finger);
     [[nodiscard]] double largestGradient(const Eigen::VectorXd& gradients) const;
+    [[nodiscard]] Eigen::Matrix3d dented(const Finger& finger, const Dent& by) const;
+    void widen(std::size_t finger);
+    void findDents();
     void leave(Finger& finger);
     void advance(double seconds);
     void solve();
@@ -114,12 +132,16 @@ private:
 
     std::shared_ptr<const TouchSurface> surface_;
     TouchSettings settings_;
+    std::shared_ptr<const DentSurface> dents_;
 
     std::array<Finger, kFingers> fingers_;
     Eigen::VectorXd left_, leftRate_, total_, before_;  // 3 P: dents of fingers that are gone, and all
     Eigen::VectorXd weights_, nextWeights_;             // P
     Eigen::VectorXd gradients_;                         // 9 #probes
     ContactSolver solver_;                              // a slot per finger
+    std::vector<Eigen::Matrix3d> byPatches_;            // with dents: compliances without them, kFingers x kFingers
+    std::array<Fading, kDents - kFingers> fading_;
+    std::array<Dent, kDents> shown_;
     bool idle_ = true, resting_ = true;  // resting_: no dents of fingers that are gone
     std::uint64_t revision_ = 0;
 };

@@ -334,6 +334,32 @@ TEST_CASE("inflate: a body puffs up by its pressure, and breathes until it is tu
     CHECK(std::abs(volume() - 3.0) < 1e-6);
 }
 
+TEST_CASE("touch: with a tip the dent is finer, at once, and gone without a trace") {
+    Workbench w;
+    w.buildChain("default");
+    w.good({{"do", "enable"}, {"effect", "touch"}});
+    w.good({{"do", "precompute"}});
+    const Json side = {0.5, 0.0, 1.5}, in = {0.45, 0.0, 1.5};
+    const auto moved = [&] {
+        const auto& part = *w.session.document().elementNamed("A");
+        return Points(w.session.character()->positions(w.session.elementIndex(part.id)) - part.mesh->body.vertices);
+    };
+    const auto press = [&] {
+        w.good({{"do", "touch"}, {"element", "A"}, {"point", side}, {"to", in}});
+        return moved();
+    };
+    const Points coarse = press();
+    w.good({{"do", "rest"}});
+    CHECK(w.code({{"do", "set"}, {"target", "touch"}, {"property", "tip"}, {"value", -1}}) == "bad-value");
+    w.good({{"do", "set"}, {"target", "touch"}, {"property", "tip"}, {"value", 0.05}});
+    const Points fine = press();  // the precompute stays
+    CHECK(fine.rowwise().norm().maxCoeff() == doctest::Approx(coarse.rowwise().norm().maxCoeff()).epsilon(0.1));
+    CHECK(fine.norm() < 0.95 * coarse.norm());  // as fine as the vertices of this bar can say
+    CHECK(press() == fine);
+    w.good({{"do", "set"}, {"target", "touch"}, {"property", "tip"}, {"value", 0}});
+    CHECK(press() == coarse);
+}
+
 TEST_CASE("touch: fingers press, never pull, are taken back by undo, and their dents go when they lift") {
     Workbench w;
     w.buildChain("default");

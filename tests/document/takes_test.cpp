@@ -110,13 +110,15 @@ TEST_CASE("takes: what was seen is what a take plays, byte for byte, in any orde
     const std::vector<std::vector<const char*>> scenes = {{},
                                                           {"bone-dynamics", "joint-dynamics", "gravity", "inflate"},
                                                           {"smooth-joints", "bone-dynamics"},
-                                                          {"bend-warp", "joint-dynamics", "gravity", "touch"}};
+                                                          {"bend-warp", "joint-dynamics", "gravity", "touch"},
+                                                          {"bend-warp", "bone-dynamics", "touch"}};
     for (const auto& scene : scenes) {
         CAPTURE(scene.size());
         Workbench w;
         w.buildChain();
         if (scene.size() == 2) w.good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "modes:6"}});
         for (const char* effect : scene) w.good({{"do", "enable"}, {"effect", effect}});
+        if (scene.size() == 3) w.good({{"do", "set"}, {"target", "touch"}, {"property", "tip"}, {"value", 0.1}});
         w.good({{"do", "precompute"}});
         if (!scene.empty() && std::string(scene.back()) == "touch")
             w.good({{"do", "touch"}, {"element", "A"}, {"point", {0.5, 0, 1.5}}, {"to", {0.35, 0, 1.5}}});

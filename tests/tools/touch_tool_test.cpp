@@ -27,7 +27,11 @@ TEST_CASE("touch tool: where the effect is off a press offers it and does not tu
     const int before = stage.steps();
     stage.click(stage.tool, Vec3(0.2, 0.1, 0.5));
     REQUIRE(stage.offers.size() == 1);
-    CHECK(stage.offers[0] == Json{{"do", "enable"}, {"effect", "touch"}});
+    // With finger tips of a fortieth of its length.
+    REQUIRE(stage.offers[0].size() == 2);
+    CHECK(stage.offers[0][0] == Json{{"do", "enable"}, {"effect", "touch"}});
+    CHECK(stage.offers[0][1]["property"] == "tip");
+    CHECK(stage.offers[0][1]["value"].get<double>() == doctest::Approx(6.0 / 40.0));
     CHECK(!stage.now().effects.has(EffectKind::Touch));
     CHECK(!stage.tool.busy());
     CHECK(stage.steps() == before);

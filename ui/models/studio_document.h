@@ -77,7 +77,7 @@ Q_SIGNALS:
     void selectionChanged();
     void hoverChanged();
     void frameStepped();       ///< stepFrame() is done
-    /// Something that was tried needs this command first; it is worth one click.
+    /// Something that was tried needs this command first, or an array of them; it is worth one click.
     void offered(const QString& text, const QString& label, const imomushi::Json& command);
     void madeCut(const QString& message);  ///< a tool cut an element; bones are what comes next
     void failed(const QString& message);  ///< a command was refused: one translated sentence

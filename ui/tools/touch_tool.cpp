@@ -2,6 +2,8 @@
 #include "ui/tools/touch_tool.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 
 #include "core/base/finite.h"
 #include "ui/models/commands.h"
@@ -15,6 +17,23 @@ namespace {
 constexpr double kPokePixels = 12.0, kNotchPixels = 6.0;
 /// Fingers are not pulled farther out of the surface than this: pushing in again should not take long.
 constexpr double kOutsidePixels = 6.0;
+/// Radius of finger tips, of the longest side of the character's box: what an effect that is turned on here begins with.
+constexpr double kTip = 0.025;
+
+/// On where it is off, with tips that fit the character where it is off everywhere.
+Json turnOn(const Document& document, const std::optional<std::string>& element) {
+    const Json on = commands::enable(EffectKind::Touch, element);
+    if (element) return on;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const auto& [id, part] : document.elements) {
+        low = low.cwiseMin(part->mesh->body.vertices.colwise().minCoeff().transpose());
+        high = high.cwiseMax(part->mesh->body.vertices.colwise().maxCoeff().transpose());
+    }
+    const auto properties = effectDescriptor(EffectKind::Touch).properties;
+    const auto tip = std::find_if(properties.begin(), properties.end(), [](const EffectProperty& p) { return p.name == "tip"; });
+    const double radius = std::clamp(kTip * (high - low).maxCoeff(), tip->low, tip->high);
+    return Json::array({on, commands::set(EffectKind::Touch, *tip, std::span(&radius, 1))});
+}
 
 }  // namespace
 
@@ -32,7 +51,7 @@ bool TouchTool::offer(PartId element) {
             target = d.elements.at(element)->name;
             text = ToolTexts::tr("The effect “Touch” is off on “%1”.").arg(QString::fromStdString(*target));
         }
-        Q_EMIT document_.offered(text, ToolTexts::tr("Turn on"), commands::enable(EffectKind::Touch, target));
+        Q_EMIT document_.offered(text, ToolTexts::tr("Turn on"), turnOn(d, target));
         return true;
     }
     const auto waits = [&](PartId id) {

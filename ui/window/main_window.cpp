@@ -27,6 +27,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/failures.h"
+#include "ui/models/gesture.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
@@ -187,7 +188,7 @@ void MainWindow::connectDocument() {
             if (command == commands::precompute()) return startPrecompute();
             settle();
             // What was turned on may need a precompute, which the tool then offers.
-            if (document_.execute(command)) viewport_->beginTool();
+            if (executeTogether(document_, command.is_array() ? command.get<std::vector<Json>>() : std::vector<Json>{command})) viewport_->beginTool();
         });
     });
     connect(deck_, &TakeDeck::said, this, warning);
