@@ -2055,7 +2055,7 @@
         </message>
         <message>
             <source>Nothing is called “%1”. Commands, panels, effects, settings, samples, and the parts, takes and clips of this project are found by their names.</source>
-            <translation>「%1」は見つかりません。コマンド、パネル、効果、設定、サンプル、このプロジェクトの部品・テイク・クリップを名前で探せます。</translation>
+            <translation>「%1」は見つかりません。コマンド、パネル、エフェクト、設定、サンプル、このプロジェクトの部品・テイク・クリップを名前で探せます。</translation>
         </message>
     </context>
     <context>
@@ -3500,7 +3500,7 @@
         </message>
         <message>
             <source>Effect</source>
-            <translation>効果</translation>
+            <translation>エフェクト</translation>
         </message>
         <message>
             <source>Setting of “%1”</source>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The window and its parts have room at every size of the interface, in both languages.
 #include <QAbstractButton>
+#include <QDir>
 #include <QDockWidget>
+#include <QFileInfo>
 #include <QFontMetrics>
 #include <QSettings>
 #include <QToolBar>
@@ -9,6 +11,7 @@
 #include "tests/studio/window.h"
 #include "ui/viewport/axis_ball.h"
 #include "ui/widgets/appearance.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -228,4 +231,29 @@ TEST_CASE("studio: a panel that is asked for is in front, floats with a title, a
     outliner->setFloating(false);
     w.settle();
     w.shoot("docks");
+}
+
+TEST_CASE("studio: vertices are counted in one way") {
+    Window w;
+    for (const char* sample : {"caterpillar", "dragon"}) {
+        CAPTURE(sample);
+        w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/") + QLatin1String(sample) + QStringLiteral(".imomushi"));
+        w.document().select({});
+        waitFor([&] { return inspectorRow<QLabel>(w, "Vertices") != nullptr; });
+        w.settle();
+        const QString count = inspectorRow<QLabel>(w, "Vertices")->text();
+        REQUIRE(!count.isEmpty());
+        bool said = false;
+        for (const auto* label : w.window().status().findChildren<QLabel*>()) said = said || label->text() == count + QStringLiteral(" vertices");
+        CHECK_MESSAGE(said, count.toStdString());
+    }
+}
+
+TEST_CASE("studio: folders that are proposed exist") {
+    Window w;
+    QSettings().setValue(QStringLiteral("files/folder"), w.folder.filePath(QStringLiteral("gone/deeper")));
+    CHECK(QDir(w.window().files().folder()) == QDir(w.folder.path()));
+    QSettings().setValue(QStringLiteral("files/folder"), QStringLiteral("/nowhere/at/all"));
+    CHECK(QFileInfo(w.window().files().folder()).isDir());
+    QSettings().remove(QStringLiteral("files/folder"));
 }

@@ -5,10 +5,12 @@
 #include <QListWidget>
 #include <QShortcutEvent>
 #include <QSpinBox>
+#include <QTextBrowser>
 #include <map>
 #include <set>
 
 #include "tests/studio/window.h"
+#include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/picture_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/gesture.h"
@@ -329,4 +331,19 @@ TEST_CASE("picture of the view: any size, with alpha, and without what is select
     PictureDialog dialog(QSize(640, 480), &w.window());
     dialog.findChild<QSpinBox*>(QStringLiteral("pictureWidth"))->setValue(1920);
     CHECK(dialog.picture().size == QSize(1920, 480));
+}
+
+TEST_CASE("help: the list of keys has every key as it is set, in both languages") {
+    Window w;
+    for (const char* language : {"en", "ja"}) {
+        Appearance::instance().setLanguage(QString::fromLatin1(language));
+        w.settle();
+        ControlsDialog dialog(w.window().actions(), true, &w.window());
+        const QString text = dialog.findChild<QTextBrowser*>(QStringLiteral("controls"))->toPlainText();
+        for (const QAction* action : w.window().actions().all())
+            for (const QKeySequence& keys : action->shortcuts()) {
+                CHECK_MESSAGE(text.contains(keys.toString(QKeySequence::NativeText)), action->objectName().toStdString());
+                CHECK_MESSAGE(text.contains(commandName(*action)), action->objectName().toStdString());
+            }
+    }
 }

@@ -25,6 +25,7 @@ PictureDialog::PictureDialog(QSize size, QWidget* parent) : QDialog(parent) {
     const auto side = [&](const char* name, const QString& label, int now) {
         auto* box = named(new QSpinBox(this), name);
         box->setRange(1, render::kLargestSide);
+        box->setButtonSymbols(QAbstractSpinBox::NoButtons);
         box->setSuffix(tr(" px", "pixels"));
         box->setValue(now);
         box->setAccessibleName(label);

@@ -11,6 +11,7 @@
 #include <QPainter>
 #include <QPushButton>
 #include <QToolButton>
+#include <algorithm>
 
 #include "ui/models/texts.h"
 #include "ui/panels/time_bar.h"
@@ -112,13 +113,21 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
 void TakesPanel::takeSizes() {
     record_->setIconSize(QSize(px(24), px(16)));
     empty_->setContentsMargins(0, px(8), 0, 0);
-    left_->setFixedWidth(px(290));
+    empty_->setMinimumWidth(px(190));
+    shareWidth();
     for (auto* b : buttons_) b->setIconSize(QSize(px(20), px(20)));
     live_->setIconSize(QSize(px(16), px(16)));
     clock_->setMinimumWidth(px(230));  // so that it stays while digits run
     setMinimumHeight(px(118));
     dressed_.reset();
     follow();
+}
+
+void TakesPanel::shareWidth() { left_->setFixedWidth(model_->rowCount() > 0 ? px(290) : std::clamp(width() * 2 / 5, px(200), px(290))); }
+
+void TakesPanel::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    shareWidth();
 }
 
 /// Red says what it does; the words and the sign on it say it too.
@@ -167,6 +176,7 @@ void TakesPanel::follow() {
     takeButtons_->setVisible(model_->rowCount() > 0 && !recording && !deck_.counting());  // then the button for recording says more
     empty_->setVisible(!any);
     transport_->setVisible(any);
+    shareWidth();
     bar_->setVisible(any);
     showClips();
     if (!any)

@@ -31,11 +31,14 @@ public:
 
 protected:
     void changeEvent(QEvent* event) override;
+    void resizeEvent(QResizeEvent* event) override;
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
     void follow();
     void takeSizes();
+    /// Without takes the words on the right need the room more.
+    void shareWidth();
     void retranslate();
     void dressRecord();
     void showClips();

@@ -84,7 +84,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         connect(action, &QAction::triggered, this, [this, d] {
             if (inFront(*d)) d->close();
             else raise(*d);
-            checkActions();
+            followActions();
         });
         actions_ << action;
     }
@@ -110,7 +110,7 @@ void StudioDocks::retranslate() {
     accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
     takesDock_->setWindowTitle(tr("Takes"));
     tellIssues();
-    for (qsizetype i = 0; i < actions_.size(); ++i) actions_[i]->setText(all()[i]->windowTitle());
+    followActions();
     for (QTabBar* tabs : window_.findChildren<QTabBar*>(Qt::FindDirectChildrenOnly)) tabs->setAccessibleName(tr("Panels"));
 }
 
@@ -125,8 +125,11 @@ void StudioDocks::takeSizes() {
     for (QDockWidget* dock : {takesDock_, accuracyDock_}) dock->widget()->setMinimumHeight(static_cast<QScrollArea*>(dock->widget())->widget()->minimumHeight());
 }
 
-void StudioDocks::checkActions() {
-    for (qsizetype i = 0; i < actions_.size(); ++i) actions_[i]->setChecked(inFront(*all()[i]));
+void StudioDocks::followActions() {
+    for (qsizetype i = 0; i < actions_.size(); ++i) {
+        actions_[i]->setText(all()[i]->windowTitle());
+        actions_[i]->setChecked(inFront(*all()[i]));
+    }
 }
 
 void StudioDocks::showTitles() {

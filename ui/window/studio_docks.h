@@ -48,8 +48,8 @@ public:
     void takeSizes();
     /// What shows each panel in front, or hides it where it is there already; in the order of the menu.
     [[nodiscard]] const QList<QAction*>& actions() const { return actions_; }
-    /// Says in the menu which panels are in front.
-    void checkActions();
+    /// Says in the menu what the panels are called now, and which are in front.
+    void followActions();
     /// How much of the height of both the lower right docks have.
     [[nodiscard]] double inspectorShare() const;
     /// Gives it to them, once the docks are laid out.

@@ -56,7 +56,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "show-all", ""});
     QMenu* panels = addMenu(view, QT_TR_NOOP("&Panels"));
     panels->addActions(docks.actions());
-    connect(panels, &QMenu::aboutToShow, &docks, &StudioDocks::checkActions);
+    connect(panels, &QMenu::aboutToShow, &docks, &StudioDocks::followActions);
     fill(*addMenu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(*addMenu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
     fill(*view, {"", "picture", "full-screen"});
