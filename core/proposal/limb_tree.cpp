@@ -42,7 +42,8 @@ struct Branch {
 
 class Builder {
 public:
-    Builder(const TriangleMesh& mesh, double least) : surface_(mesh), rays_(mesh), area_(surfaceArea(mesh)), vertices_(mesh.vertices.rows()), least_(least) {}
+    Builder(const TriangleMesh& mesh, const Vec3& up, double least)
+        : surface_(mesh), rays_(mesh), area_(surfaceArea(mesh)), vertices_(mesh.vertices.rows()), up_(up), least_(least) {}
 
     LimbTree build(const FlowSkeleton& skeleton) {
         load(skeleton);
@@ -285,7 +286,7 @@ private:
                 const double d = (node(a).at - node(b).at).norm();
                 if (d > farthest + 1e-12) farthest = d, first = a, last = b;
             }
-        if (entry < 0 && node(last).at.y() < node(first).at.y() - 0.25 * farthest) std::swap(first, last);  // upward
+        if (entry < 0 && up_.dot(node(last).at) < up_.dot(node(first).at) - 0.25 * farthest) std::swap(first, last);  // upward
         if (farthest > kOnePoint * std::max(node(first).radius, node(last).radius)) {
             made.points = {node(first).at, node(last).at};
             made.radius = {node(first).radius, node(last).radius};
@@ -344,6 +345,7 @@ private:
     RayTree rays_;
     double area_;
     Eigen::Index vertices_;
+    Vec3 up_;
     double least_;
     std::vector<Node> nodes_;
     std::vector<int> hubOf_;
@@ -391,19 +393,19 @@ Vec3 pointAlong(const std::vector<Vec3>& line, double way) {
     return line.back();
 }
 
-Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progress& progress) {
+Result<LimbTree> findLimbs(const TriangleMesh& mesh, const Vec3& up, double least, const Progress& progress) {
     const auto skeleton = [&](double shortest) -> Result<FlowSkeleton> {
         const Attempt shrinking("shrinking the shape to lines");
         if (!shrinking) return fail("no-skeleton", "Shrinking the body to lines breaks down or comes to no end: cut it by hand, or use handles.");
         return flowSkeleton(mesh, shortest, progress);
     };
     IMOMUSHI_TRY(const auto coarse, skeleton(kCoarse));
-    LimbTree tree = Builder(mesh, least).build(coarse);
+    LimbTree tree = Builder(mesh, up, least).build(coarse);
     if (farthestFlesh(mesh, coarse) > kUnexplained) {
         const auto fine = skeleton(kFine);
         if (!fine && fine.error().code == kCancelled) return tl::unexpected(fine.error());
         if (fine) {
-            LimbTree finer = Builder(mesh, least).build(*fine);
+            LimbTree finer = Builder(mesh, up, least).build(*fine);
             if (limbCount(finer.root) > limbCount(tree.root)) tree = std::move(finer);
         }
     }

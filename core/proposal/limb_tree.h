@@ -56,8 +56,8 @@ struct LimbTree {
     int rings = 0;                 ///< of the skeleton that were opened
 };
 
-/// `mesh`: of evenMesh(). `least`: the smallest share of the flesh of a limb, 0...1. Errors: those of flowSkeleton().
-Result<LimbTree> findLimbs(const TriangleMesh& mesh, double least, const Progress& progress);
+/// `mesh`: of evenMesh(). `up`: unit, in its coordinates. `least`: the smallest share of the flesh of a limb, 0...1. Errors: those of flowSkeleton().
+Result<LimbTree> findLimbs(const TriangleMesh& mesh, const Vec3& up, double least, const Progress& progress);
 
 /// A branch is a limb where it stands out of the flesh that it grows from by this much: in diagonals, and in its own thicknesses.
 inline constexpr double kLeastReach = 0.035, kLeastSlenderness = 0.6;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/proposal/shape_proposal.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,8 @@
 namespace imomushi {
 namespace {
 
-/// Of the mesh that the skeleton is found on, and of the one on which ends are looked for that it loses.
-constexpr std::size_t kVertices = 2500, kFineVertices = 8000;
+/// Of the meshes that the skeleton is found on, one after the other, and of the one on which ends are looked for that it loses.
+constexpr std::size_t kVertices[] = {3200, 2500}, kFineVertices = 10000;
 /// How often limbs that the skeleton lost are tried, each time without those that could not be cut off.
 constexpr int kRounds = 5;
 /// Length of a piece in thicknesses; longer by the factor until there are at most so many cuts. Limbs are divided into few pieces, tentacles and chains into more.
@@ -42,6 +43,10 @@ constexpr double kGround = 0.06, kGroundOfDiagonal = 0.02;
 constexpr double kInside = 0.05;
 /// A handle lies across the plane of symmetry where its direction has more than this of the plane's normal.
 constexpr double kAcrossPlane = 0.5;
+/// Diagonals: far below what limbs go by, far above rounding.
+constexpr double kGrid = 0x1p-24;
+/// A body has more to one side of its middle where the third moment is more than this part of what it could be; a vertex lies off the middle beyond this part of the mean distance.
+constexpr double kSkew = 1e-5, kOffMiddle = 0.1;
 /// Radius of proposed handles, in diagonals.
 constexpr double kHandle = 0.08;
 
@@ -64,13 +69,17 @@ struct Planned {
     std::size_t kept = 0;
 };
 
-/// The largest closed surface of a body, in coordinates with a bounding box of diagonal 1 about the origin.
+/// The largest closed surface of a body along its own axes, in coordinates with a bounding box of diagonal 1 about the origin, rounded to kGrid: so a body that was turned, mirrored or scaled
+/// is the same one here, bit for bit but for rare chances.
 struct Scaled {
     TriangleMesh mesh;
     Vec3 centre = Vec3::Zero();
     double diagonal = 1.0;
-    [[nodiscard]] Vec3 back(const Vec3& p) const { return centre + diagonal * p; }
-    [[nodiscard]] CutPlane back(const CutPlane& plane) const { return {back(plane.origin), plane.normal}; }
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: where its coordinates point in the world; may mirror
+    [[nodiscard]] Vec3 back(const Vec3& p) const { return centre + diagonal * (axes * p); }
+    [[nodiscard]] CutPlane back(const CutPlane& plane) const { return {back(plane.origin), axes * plane.normal}; }
+    [[nodiscard]] double height(const Vec3& p) const { return axes.row(1).dot(p); }  ///< in diagonals
+    [[nodiscard]] Vec3 direction(const Vec3& world) const { return axes.transpose() * world; }
 };
 
 TriangleMesh largestShell(const TriangleMesh& body) {
@@ -102,12 +111,57 @@ TriangleMesh largestShell(const TriangleMesh& body) {
     return out;
 }
 
+/// The principal axes of a surface, to which side it has more to it first; where it has as much on both sides, the side of the first vertex that lies off the middle.
+Eigen::Matrix3d axesOf(const TriangleMesh& mesh) {
+    const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
+    std::vector<double> weight(vertices, 0.0);
+    double whole = 0.0;
+    for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+        const auto p = [&](int k) { return Vec3(mesh.vertices.row(mesh.triangles(f, k)).transpose()); };
+        const double area = (p(1) - p(0)).cross(p(2) - p(0)).norm();
+        for (int k = 0; k < 3; ++k) weight[static_cast<std::size_t>(mesh.triangles(f, k))] += area;
+        whole += 3.0 * area;
+    }
+    Vec3 middle = Vec3::Zero();
+    for (std::size_t v = 0; v < vertices; ++v) middle += weight[v] / whole * vertexPlace(mesh.vertices, static_cast<Eigen::Index>(v));
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const Vec3 p = vertexPlace(mesh.vertices, static_cast<Eigen::Index>(v)) - middle;
+        spread += weight[v] / whole * p * p.transpose();
+    }
+    Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+    for (int k = 0; k < 3; ++k) {
+        double skew = 0.0, size = 0.0, first = 0.0;
+        for (std::size_t v = 0; v < vertices; ++v) {
+            const double x = axes.col(k).dot(vertexPlace(mesh.vertices, static_cast<Eigen::Index>(v)) - middle);
+            skew += weight[v] / whole * x * x * x;
+            size += weight[v] / whole * std::abs(x * x * x);
+        }
+        const double aside = kOffMiddle * std::cbrt(size);
+        for (std::size_t v = 0; v < vertices && first == 0.0; ++v)
+            if (const double x = axes.col(k).dot(vertexPlace(mesh.vertices, static_cast<Eigen::Index>(v)) - middle); std::abs(x) > aside) first = x;
+        if ((std::abs(skew) > kSkew * size ? skew : first) < 0.0) axes.col(k) = -axes.col(k);
+    }
+    return axes;
+}
+
 Scaled scaled(const TriangleMesh& body) {
     Scaled out{largestShell(body)};
-    const Bounds box = boundsOf(out.mesh.vertices);
-    out.centre = box.low + 0.5 * box.size();
+    Points& vertices = out.mesh.vertices;
+    out.axes = axesOf(out.mesh);
+    vertices = (vertices * out.axes).eval();
+    if (out.axes.determinant() < 0.0) out.mesh.triangles.col(1).swap(out.mesh.triangles.col(2));
+    for (auto t : out.mesh.triangles.rowwise()) {  // the same whichever way files of mirrored ones go round
+        int first = 0;
+        t.minCoeff(&first);
+        t = Eigen::RowVector3i(t[first], t[(first + 1) % 3], t[(first + 2) % 3]).eval();
+    }
+    const Bounds box = boundsOf(vertices);
+    const Vec3 middle = box.low + 0.5 * box.size();
+    out.centre = out.axes * middle;
     out.diagonal = box.diagonal();
-    out.mesh.vertices = (out.mesh.vertices.rowwise() - out.centre.transpose()) / out.diagonal;
+    vertices = (vertices.rowwise() - middle.transpose()) / out.diagonal;
+    vertices = (vertices.array() / kGrid).round() * kGrid;
     return out;
 }
 
@@ -119,21 +173,28 @@ public:
     }
 
     Result<Proposal> propose() {
-        even_ = evenMesh(scaled_.mesh, kVertices);
-        if (even_.triangles.rows() == 0) even_ = scaled_.mesh;
-        progress_.report("skeleton", 0.1);
-        auto tree = findLimbs(even_, least_, progress_.part(0.1, 0.5));
-        if (!tree) {
-            if (tree.error().code == kCancelled) return tl::unexpected(tree.error());
-            return asBlob(std::move(tree.error()));
-        }
-        mirror_ = findMirrorPlane(scaled_.mesh);
+        mirror_ = mirrorPlane();
         if (mirror_) proposal_.symmetry = scaled_.back(*mirror_);
-        if (tree->rings > 0)
-            proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree->rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
-        progress_.report("cut", 0.5);
+        // Which limbs a skeleton finds and where their necks are hangs on the triangles: where a limb could not be cut, others are tried, and the one that keeps most cuts is taken.
         HubPlan plan;
-        if (auto planned = planWithLost(*tree, plan); !planned) return tl::unexpected(std::move(planned.error()));
+        std::optional<Planned> best;
+        for (std::size_t i = 0; i < std::size(kVertices); ++i) {
+            const Progress part = progress_.part(static_cast<double>(i) / std::size(kVertices), static_cast<double>(i + 1) / std::size(kVertices));
+            even_ = evenMesh(scaled_.mesh, kVertices[i]);
+            if (even_.triangles.rows() == 0) even_ = scaled_.mesh;
+            part.report("skeleton", 0.1);
+            auto tree = findLimbs(even_, scaled_.direction(Vec3::UnitY()), least_, part.part(0.1, 0.5));
+            if (!tree && tree.error().code == kCancelled) return tl::unexpected(tree.error());
+            if (!tree && best) continue;
+            if (!tree) return asBlob(std::move(tree.error()));
+            part.report("cut", 0.5);
+            if (auto planned = planWithLost(*tree, plan, part); !planned) return tl::unexpected(std::move(planned.error()));
+            if (!best || keptCuts() > best->kept) best = Planned{tree_, plan, wished_, fitted_, keptCuts()};
+            if (tree_.blob || tree_.chain || !losesLimbs(tree_.root, plan)) break;
+        }
+        std::tie(tree_, plan, wished_, fitted_) = std::tie(best->tree, best->plan, best->wished, best->fitted);
+        if (tree_.rings > 0)
+            proposal_.notes.push_back({"ring", "The body has " + counted(static_cast<std::size_t>(tree_.rings), "ring", "rings") + ": a ring is cut where it is thinnest, in two places by hand."});
         // The bones of a ring would not meet again.
         if (tree_.blob || (tree_.chain && tree_.rings > 0)) return asBlob(std::nullopt);
         if (keptCuts() == 0) return asBlob(std::nullopt);
@@ -146,6 +207,19 @@ public:
     }
 
 private:
+    /// Along the axes of the world, in which characters have a front; given in those of the body.
+    [[nodiscard]] std::optional<CutPlane> mirrorPlane() const {
+        TriangleMesh upright = scaled_.mesh;
+        upright.vertices = (upright.vertices * scaled_.axes.transpose()).eval();
+        if (scaled_.axes.determinant() < 0.0) upright.triangles.col(1).swap(upright.triangles.col(2));
+        const Bounds box = boundsOf(upright.vertices);
+        const Vec3 middle = box.low + 0.5 * box.size();  // planes go through it where they can
+        upright.vertices.rowwise() -= middle.transpose();
+        auto plane = findMirrorPlane(upright);
+        if (plane) plane = CutPlane{scaled_.direction(plane->origin + middle), scaled_.direction(plane->normal)};
+        return plane;
+    }
+
     // ---- limbs
 
     /// Plans the cuts of a tree and tries them.
@@ -167,8 +241,8 @@ private:
     }
 
     /// With the limbs that the skeleton lost, as far as they can be cut off and no other cut is lost by them.
-    Result<void> planWithLost(const LimbTree& skeleton, HubPlan& plan) {
-        if (auto planned = planTree(skeleton, plan, progress_.part(0.5, 0.7)); !planned) return tl::unexpected(std::move(planned.error()));
+    Result<void> planWithLost(const LimbTree& skeleton, HubPlan& plan, const Progress& progress) {
+        if (auto planned = planTree(skeleton, plan, progress.part(0.5, 0.7)); !planned) return tl::unexpected(std::move(planned.error()));
         TriangleMesh fine = evenMesh(scaled_.mesh, kFineVertices);
         if (fine.triangles.rows() == 0) fine = even_;
         const SurfaceTips tips = findSurfaceTips(fine);
@@ -177,7 +251,7 @@ private:
             LimbTree tree = skeleton;
             if (!addLostLimbs(tree, fine, tips, without, least_)) return {};
             const Planned before{tree_, plan, wished_, fitted_, keptCuts()};
-            if (auto planned = planTree(std::move(tree), plan, progress_.part(0.7 + 0.3 * round / kRounds, 0.7 + 0.3 * (round + 1) / kRounds)); !planned) return tl::unexpected(std::move(planned.error()));
+            if (auto planned = planTree(std::move(tree), plan, progress.part(0.7 + 0.3 * round / kRounds, 0.7 + 0.3 * (round + 1) / kRounds)); !planned) return tl::unexpected(std::move(planned.error()));
             const bool uncut = leaveUncutOut(tree_.root, plan, without);
             if (!uncut && keptCuts() >= before.kept) return {};
             std::tie(tree_, plan, wished_, fitted_) = std::tie(before.tree, before.plan, before.wished, before.fitted);
@@ -188,6 +262,16 @@ private:
 
     [[nodiscard]] std::size_t keptCuts() const {
         return static_cast<std::size_t>(std::count_if(fitted_.begin(), fitted_.end(), [](const FittedCut& cut) { return cut.kept; }));
+    }
+
+    [[nodiscard]] bool losesLimbs(const Hub& hub, const HubPlan& plan) const {
+        for (std::size_t i = 0; i < plan.limbs.size(); ++i) {
+            const auto& cuts = plan.limbs[i].cuts;
+            if (!hub.limbs[i].stump && std::none_of(cuts.begin(), cuts.end(), [&](int c) { return fitted_[static_cast<std::size_t>(c)].kept; })) return true;
+            for (std::size_t e = 0; e < plan.limbs[i].end.size(); ++e)
+                if (losesLimbs(hub.limbs[i].end[e], plan.limbs[i].end[e])) return true;
+        }
+        return false;
     }
 
     /// False: every lost limb has a cut.
@@ -272,14 +356,14 @@ private:
         int highest = -1;
         for (std::size_t i = 0; i < hub.limbs.size(); ++i) {
             const Limb& limb = hub.limbs[i];
-            const bool down = limb.tip().y() < limb.line.front().y();
+            const bool down = scaled_.height(limb.tip()) < scaled_.height(limb.line.front());
             if (tree_.chain) {
                 label[i] = i == 0 ? "front" : "back";
             } else if (limb.twin >= 0 || !mirror_) {
                 label[i] = down && scaled_.back(limb.tip()).y() <= ground_ ? "leg" : mirror_ ? "arm" : "limb";
             } else {
                 label[i] = down && scaled_.back(limb.tip()).y() <= ground_ ? "leg" : "tail";
-                if (!down && (highest < 0 || limb.tip().y() > hub.limbs[static_cast<std::size_t>(highest)].tip().y())) highest = static_cast<int>(i);
+                if (!down && (highest < 0 || scaled_.height(limb.tip()) > scaled_.height(hub.limbs[static_cast<std::size_t>(highest)].tip()))) highest = static_cast<int>(i);
             }
         }
         if (highest >= 0) label[static_cast<std::size_t>(highest)] = "head";
@@ -468,7 +552,8 @@ private:
             if (!cut.why.empty()) proposal_.notes.push_back({"left-out", cut.why});
         const RayTree rays(scaled_.mesh);
         Vec3 middle = tree_.root.points.empty() ? Vec3(Vec3::Zero()) : tree_.root.points[0];
-        const auto add = [&](std::string name, const Vec3& direction, bool pinned) {
+        const auto add = [&](std::string name, const Vec3& along, bool pinned) {
+            const Vec3 direction = scaled_.direction(along);
             // What lies across the plane of symmetry is the image of what lies in front of it; what looks along it lies in it.
             const double across = mirror_ ? mirror_->normal.dot(direction) : 0.0;
             const bool image = across < -kAcrossPlane;

@@ -244,7 +244,8 @@ void checkVariants(const std::filesystem::path& path, const std::optional<std::s
             first = made;
             continue;
         }
-        CHECK(made.elements == first->elements);
+        CHECK(made.elements.size() == first->elements.size());
+        if (v.name != "leaning") CHECK(made.elements == first->elements);  // which limb of a shape is a leg goes by the vertical
         CHECK(made.bones.size() == first->bones.size());
         for (const auto& [name, moved] : first->moved)
             if (const auto other = made.moved.find(name); other != made.moved.end()) CHECK_MESSAGE((other->second - moved).norm() < 0.01 * first->size, name);
@@ -267,6 +268,7 @@ TEST_CASE("strangers: the same robot, turned, becomes soft alike") {
 TEST_CASE("strangers: turned, scaled, mirrored and in another order, a character has the same elements and bones") {
     const char* files[] = {"panda.glb", "borders.glb", "robot.glb", "mannequin.glb", "robot_skinned.glb", "crossing_halves.glb", "legs_on_patches.glb", "two_materials.glb", "avatar.glb"};
     for (int i = 0; i < repeats(3, static_cast<int>(std::size(files))); ++i) checkVariants(std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters" / files[i]);
+    if (const auto horse = std::filesystem::path(IMOMUSHI_SHARED_MESHES) / "model-horse.glb"; std::filesystem::exists(horse)) checkVariants(horse);  // by its shape
 }
 TEST_CASE("strangers: turned, scaled, mirrored and in another order, a character answers alike") {
     checkVariants(std::filesystem::path(IMOMUSHI_TEST_DATA) / "characters" / "borders.glb", "forearm.L");
