@@ -74,6 +74,8 @@ void StudioMenus::buildToolBar() {
         bar->addSeparator();  // seen where another group is above
         for (const char* id : ids) bar->addAction(actions_[id]);
         for (QToolButton* button : bar->findChildren<QToolButton*>()) button->setFocusPolicy(Qt::TabFocus);
+        // wrapTools() makes room for all; Qt would leave the arrow of narrower moments.
+        if (auto* arrow = bar->findChild<QToolButton*>(QStringLiteral("qt_toolbar_ext_button"))) arrow->setFixedSize(0, 0);
         tools_.push_back(bar);
     };
     group("tools", {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch"});
