@@ -51,12 +51,6 @@ std::vector<std::string> roleNames(const Rig& rig) {
     return names;
 }
 
-double reachOf(const Rig& rig) {
-    double reach = 0.0;
-    for (const RigBone& bone : rig.bones) reach = std::max(reach, (bone.head - rig.bones.front().head).norm());
-    return reach;
-}
-
 class Retarget {
 public:
     Retarget(const Rig& source, const RigClip& clip, const Rig& figure)

@@ -49,18 +49,22 @@ public:
             // Where it works is known of the cut that stays only; the other one goes outward.
             const bool outward = !nearest && refusal.other >= 0;
             const double by = nearest ? (1.0 + kBeyond) * fitted_[at].plane.normal.dot(nearest->origin - fitted_[at].plane.origin) : wished_[at].reach / kSteps;
-            fitted_[at].code = refusal.code;
-            const auto canMove = [&](std::size_t c, double way) { return std::abs(fitted_[c].moved + way) <= wished_[c].reach && moves_[c] < wished_[c].moves; };
-            if ((nearest || outward) && canMove(at, by)) {
-                move(at, by);
-                fitted_[at].why = "It was moved along the limb: " + refusal.message;
-            } else if (const auto other = order_ == FitOrder::BothGiveWay && refusal.other >= 0 ? makeWay(planes, which, static_cast<std::size_t>(refusal.other)) : std::nullopt; other && canMove(other->first, other->second)) {
-                at = other->first;
-                move(at, other->second);
-                fitted_[at].code = refusal.code;
-                fitted_[at].why = "It was moved along the limb: " + refusal.message;
-            } else {
+            const auto moved = [&](std::size_t c, double way) {
+                if (std::abs(fitted_[c].moved + way) > wished_[c].reach || moves_[c] >= wished_[c].moves) return false;
+                move(c, way);
+                fitted_[c].code = refusal.code;
+                fitted_[c].why = "It was moved along the limb: " + refusal.message;
+                return true;
+            };
+            bool works = (nearest || outward) && moved(at, by);
+            if (!works && order_ == FitOrder::BothGiveWay && refusal.other >= 0)
+                if (const auto other = makeWay(planes, which, static_cast<std::size_t>(refusal.other)); other && moved(other->first, other->second)) {
+                    at = other->first;
+                    works = true;
+                }
+            if (!works) {
                 fitted_[at].kept = false;
+                fitted_[at].code = refusal.code;
                 fitted_[at].why = refusal.message;
             }
             mirror(at);
@@ -70,7 +74,7 @@ public:
 private:
     [[nodiscard]] bool isTwin(std::size_t a, std::size_t b) const { return wished_[a].twin == static_cast<int>(b); }
 
-    /// Where the one of two cuts that touch would work that is not asked to give way: which, and m along its normal.
+    /// Where the earlier of two cuts that touch, `planes[index]`, would work beside all others: which of the wished ones it is, and how far it has to go along its normal, m.
     std::optional<std::pair<std::size_t, double>> makeWay(std::vector<CutPlane> planes, std::vector<std::size_t> which, std::size_t index) const {
         std::rotate(planes.begin() + static_cast<std::ptrdiff_t>(index), planes.begin() + static_cast<std::ptrdiff_t>(index) + 1, planes.end());
         std::rotate(which.begin() + static_cast<std::ptrdiff_t>(index), which.begin() + static_cast<std::ptrdiff_t>(index) + 1, which.end());

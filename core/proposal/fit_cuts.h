@@ -32,13 +32,14 @@ struct FittedCut {
     std::string code, why;  ///< why it was moved or left out, see CutRefusal; "small": the piece in front of it has less than the least share; "other-limb": its tip lies elsewhere
 };
 
+/// Which of two cuts that touch gives way.
 enum class FitOrder : std::uint8_t {
-    LaterGivesWay,  ///< where two cuts touch, the later one is moved or left out
-    BothGiveWay,    ///< the earlier one is moved where the later one cannot be
+    LaterGivesWay,  ///< the later one is moved, or left out
+    BothGiveWay,    ///< the same, but before it is left out the earlier one is moved, if that helps
 };
 
 /// Tries cuts together (cutBody()) until they work: one that is refused is moved to the nearest place that works, if that is within reach, else left out. Where
-/// two touch, the later one gives way (`order`); normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
+/// two touch, one of them gives way (`order`); normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
 /// piece, 0...1. Nothing is changed. Errors: "not-closed", "cancelled".
 Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress,
                                        FitOrder order = FitOrder::LaterGivesWay);

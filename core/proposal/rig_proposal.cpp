@@ -88,7 +88,8 @@ private:
         std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
         // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
         for (int round = 0; round < kMostRounds; ++round) {
-            progress.report("skeleton", static_cast<double>(round) / kMostRounds);
+            const Progress part = progress.part(static_cast<double>(round) / kMostRounds, static_cast<double>(round + 1) / kMostRounds);
+            part.report("skeleton", 0.0);
             std::vector<std::size_t> first;  // kept bones, the more important ones first: where two cuts touch, the later one gives way
             std::vector<RigCuts::Wish> wishes(made.merged.kept.size());
             for (std::size_t k = 1; k < made.merged.kept.size(); ++k) {
@@ -110,7 +111,7 @@ private:
                 if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
                 wished.push_back(wish);
             }
-            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, progress, order));
+            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, part, order));
             made.fitted.clear();
             for (std::size_t c = 0; c < tried.size(); ++c) {
                 const FittedCut& cut = tried[c];

@@ -143,13 +143,15 @@ private:
     /// With the limbs that the skeleton lost, as far as they can be cut off and no other cut is lost by them.
     Result<void> planWithLost(const LimbTree& skeleton, HubPlan& plan, const Progress& progress) {
         if (auto planned = planTree(skeleton, plan, progress.part(0.5, 0.7)); !planned) return tl::unexpected(std::move(planned.error()));
-        TriangleMesh fine = evenMesh(scaled_.mesh, kFineVertices);
-        if (fine.triangles.rows() == 0) fine = even_;
-        const SurfaceTips tips = findSurfaceTips(fine);
-        std::vector<char> without(tips.tips.size(), 0);
+        if (!surfaceTips_) {
+            fine_ = evenMesh(scaled_.mesh, kFineVertices);
+            if (fine_.triangles.rows() == 0) fine_ = even_;
+            surfaceTips_ = findSurfaceTips(fine_);
+        }
+        std::vector<char> without(surfaceTips_->tips.size(), 0);
         for (int round = 0; round < kRounds; ++round) {
             LimbTree tree = skeleton;
-            if (!addLostLimbs(tree, fine, tips, without, least_)) return {};
+            if (!addLostLimbs(tree, fine_, *surfaceTips_, without, least_)) return {};
             const Planned before{tree_, plan, wished_, fitted_, keptCuts()};
             if (auto planned = planTree(std::move(tree), plan, progress.part(0.7 + 0.3 * round / kRounds, 0.7 + 0.3 * (round + 1) / kRounds)); !planned) return tl::unexpected(std::move(planned.error()));
             const bool uncut = leaveUncutOut(tree_.root, plan, without);
@@ -483,7 +485,8 @@ private:
     const Progress& progress_;
     ScaledBody scaled_;
     double low_ = 0.0, ground_ = 0.0;
-    TriangleMesh even_;
+    TriangleMesh even_, fine_;
+    std::optional<SurfaceTips> surfaceTips_;  // of fine_
     LimbTree tree_;
     std::optional<CutPlane> mirror_;
     std::vector<WishedCut> wished_;

@@ -22,14 +22,14 @@ constexpr QSize kSmallest(1280, 720);
 
 std::string text(QSize size) { return std::to_string(size.width()) + " x " + std::to_string(size.height()); }
 
-/// Tools that cannot be seen whole, or wait behind an arrow.
+/// Tools that cannot be seen whole: also those that Qt would put behind an arrow.
 std::string hiddenTools(MainWindow& window) {
     std::string hidden;
     for (const auto* bar : window.findChildren<QToolBar*>(Qt::FindDirectChildrenOnly))
         for (const auto* button : bar->findChildren<QToolButton*>()) {
-            const bool extension = button->objectName() == QStringLiteral("qt_toolbar_ext_button");
+            if (button->objectName() == QStringLiteral("qt_toolbar_ext_button")) continue;  // the arrow itself is never shown
             const QRect at(button->mapTo(&window, QPoint()), button->size());
-            if (extension ? !button->visibleRegion().isEmpty() : !button->isVisible() || !window.rect().contains(at)) hidden += button->text().toStdString() + (extension ? " arrow; " : "; ");
+            if (!button->isVisible() || !window.rect().contains(at)) hidden += button->text().toStdString() + "; ";
         }
     return hidden;
 }
