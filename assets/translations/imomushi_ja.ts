@@ -288,11 +288,11 @@
             <translation>骨格を読み込む(&amp;K)…</translation>
         </message>
         <message>
-            <source>&amp;Make soft</source>
+            <source>&amp;Make it soft</source>
             <translation>柔らかくする(&amp;M)</translation>
         </message>
         <message>
-            <source>Make soft by &amp;chosen bones…</source>
+            <source>Make it soft by &amp;chosen bones…</source>
             <translation>ボーンを選んで柔らかくする(&amp;C)…</translation>
         </message>
         <message>
@@ -1127,8 +1127,8 @@
             <translation>平面の原点に最も近い断面は別の要素のものです。切りたい断面の中に原点を置いてください。</translation>
         </message>
         <message>
-            <source>This element is a piece of a character. Take out the cut beside it, or remove the whole character.</source>
-            <translation>この要素はキャラクターの一部です。隣の切断面を取り除くか、キャラクター全体を削除してください。</translation>
+            <source>This element is a piece of a character. Choose the character, or take out the cut beside it.</source>
+            <translation>この要素はキャラクターの一部です。キャラクターを選ぶか、隣の切断を取り除いてください。</translation>
         </message>
         <message>
             <source>The section touches or crosses itself. Move or turn the plane a little.</source>
@@ -1717,6 +1717,10 @@
         <message>
             <source>Show expression</source>
             <translation>表情の表示</translation>
+        </message>
+        <message>
+            <source>Make character</source>
+            <translation>キャラクターにする</translation>
         </message>
     </context>
     <context>
@@ -3608,7 +3612,7 @@
         </message>
         <message>
             <source>It is soft already: it has cuts, bones or handles.</source>
-            <translation>すでにやわらかくなっています。切断かボーンかハンドルがあります。</translation>
+            <translation>すでに柔らかくなっています。切断かボーンかハンドルがあります。</translation>
         </message>
         <message>
             <source>Its file has no skeleton. “Import skeleton” brings one.</source>
@@ -3681,6 +3685,14 @@
         <message>
             <source>No take is shown.</source>
             <translation>テイクは表示されていません。</translation>
+        </message>
+        <message>
+            <source>There is nothing to make soft: import a mesh, or select one of several characters and elements.</source>
+            <translation>柔らかくするものがありません。メッシュを読み込むか、キャラクターや要素のうち 1 つを選んでください。</translation>
+        </message>
+        <message>
+            <source>It has joint faces, bones or handles: precompute makes it soft.</source>
+            <translation>関節面かボーンかハンドルがあります。前計算をすると柔らかくなります。</translation>
         </message>
     </context>
     <context>

@@ -152,6 +152,21 @@ Result<Json> removeCutCommand(DocumentEdit& edit, const Json& arguments, const P
     return Json{{"stale", Json::array({document.elements.at(changed)->name})}};
 }
 
+/// An element by itself becomes what an import as a whole character would have made of it.
+Result<Json> makeCharacterCommand(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    IMOMUSHI_TRY(const auto found, elementOf(document, text(arguments, "element")));
+    const PartId id = found->id;
+    const std::string name = found->name;
+    if (found->piece)
+        return fail("part-of-character", "The element \"" + name + "\" is a piece of the character \"" + document.characters.at(found->piece->character)->name + "\" already.");
+    const PartId character = makeCharacter(document, id, {});
+    const std::string body = freeName(document, name + " body");
+    exchangePart(document.elements, id, [&](Element& changed) { changed.name = body; });
+    exchangePart(document.characters, character, [&](CharacterSource& changed) { changed.name = name; });
+    return characterJson(document, *document.characters.at(character));
+}
+
 }  // namespace
 
 void addCutCommands(CommandRegistry& registry) {
@@ -174,6 +189,10 @@ void addCutCommands(CommandRegistry& registry) {
                        "Gives a cut another plane. Only the two elements beside it change; their bones, joint faces and names stay, and what ends at the cut follows it. The same elements "
                        "stay in front, whichever way the normal points.",
                        {cutKey, {"plane", Type::Object, true, plane}}, moveCutCommand);
+    registry.addChange("make-character",
+                       "Makes an element of its own a whole character, as import-character would have made of its file: what is seen stays, the element is its body. Joint faces, handles and bones "
+                       "stay.",
+                       {{"element", Type::Text, true, "The element, which is called after the character from then on; the character has its name."}}, makeCharacterCommand);
     registry.addChange("remove-cut", "Takes a cut out: the element behind it takes in the one in front, with its other joint faces and its bones.", {cutKey}, removeCutCommand);
 }
 

@@ -225,27 +225,39 @@ private:
     std::vector<std::string> bones_;   // names, empty: not made
 };
 
-/// The character that is meant, imported if it is a file. Fills "imported" of the answer. Errors: those of import-character, "already-cut".
+/// Errors: "already-cut".
+Result<PartId> uncut(const Document& document, const CharacterSource& character) {
+    if (canBecomeSoft(document, character)) return character.id;
+    return fail("already-cut", "The character \"" + character.name + "\" has cuts, bones or handles already: take them out first, or use propose and do by hand what you want of it.");
+}
+
+/// The character that is meant, imported if it is a file, made of an element if it is that. Fills "imported" of the answer. Errors: those of import-character, "already-cut".
 Result<PartId> characterFor(SessionAccess& access, const Json& arguments, Json& answer, const Progress& progress) {
-    if (const Json* name = find(arguments, "character")) {
+    const Document& document = access.document();
+    const Json *character = find(arguments, "character"), *element = find(arguments, "element");
+    if (character && element) return fail("bad-value", "Give \"character\" or \"element\", not both.");
+    if (character || element)
         for (const char* key : {"path", "name", "unit", "up", "body", "detail", "links"})
-            if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" goes with a file, not with a character that is there.");
-        IMOMUSHI_TRY(const auto character, characterOf(access.document(), name->get_ref<const std::string&>()));
-        const auto elements = access.document().elementsOf(character->id);
-        std::set<PartId> own(elements.begin(), elements.end());
-        bool bones = false, handles = false;
-        for (const auto& [id, bone] : access.document().bones) bones = bones || own.contains(bone->element);
-        for (const PartId id : elements) handles = handles || !access.document().elements.at(id)->handles.empty();
-        if (!character->cuts.empty() || bones || handles)
-            return fail("already-cut", "The character \"" + character->name + "\" has cuts, bones or handles already: take them out first, or use propose and do by hand what you want of it.");
-        return character->id;
+            if (arguments.contains(key)) return fail("bad-value", std::string("\"") + key + "\" goes with a file, not with what is there.");
+    if (character) {
+        IMOMUSHI_TRY(const auto found, characterOf(document, character->get_ref<const std::string&>()));
+        return uncut(document, *found);
     }
-    if (!arguments.contains("path")) return fail("missing-key", "\"make-soft\" needs the key \"path\" or \"character\".");
+    if (element) {
+        IMOMUSHI_TRY(const auto found, elementOf(document, element->get_ref<const std::string&>()));
+        if (found->piece) return uncut(document, *document.characters.at(found->piece->character));
+        if (!canBecomeSoft(document, *found))
+            return fail("already-cut", "The element \"" + found->name + "\" has joint faces, bones or handles already: precompute makes it soft. Take them out first to have others proposed.");
+        const std::string name = found->name;
+        if (auto made = access.execute({{"do", "make-character"}, {"element", name}}, progress); !made) return tl::unexpected(made.error());
+        return document.characterNamed(name)->id;
+    }
+    if (!arguments.contains("path")) return fail("missing-key", "\"make-soft\" needs the key \"path\", \"character\" or \"element\".");
     Json line{{"do", "import-character"}};
     for (const char* key : {"path", "name", "unit", "up", "body", "detail", "links"})
         if (const Json* value = find(arguments, key)) line[key] = *value;
     IMOMUSHI_TRY(answer, access.execute(line, progress));
-    return access.document().characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
+    return document.characterNamed(answer["characters"][0]["name"].get<std::string>())->id;
 }
 
 /// Makes elements soft at once: coarse answers for those that have none. One that fails is told and does not stop the others. Errors: "cancelled".
@@ -356,10 +368,11 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
 void addMakeSoftCommand(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("make-soft",
-                       "Makes a whole character soft in one step: a body, what propose says (cuts, bones and pins, or handles where the shape has no limbs), small parts attached, everything "
+                       "Makes a whole character, a file or an element of its own soft in one step: a body, what propose says (cuts, bones and pins, or handles where the shape has no limbs), small parts attached, everything "
                        "precomputed. The step consists of the ordinary commands. What cannot be cut or precomputed is told and left out. Afterwards the ends of all bones can be dragged.",
                        {{"path", Type::Text, false, "The file, imported as import-character does."},
                         {"character", Type::Text, false, "Or a character that has no cuts, bones and handles yet."},
+                        {"element", Type::Text, false, "Or an element that has no joint faces, bones and handles yet: it becomes a whole character, as make-character does it."},
                         {"from", Type::Text, false, "As in propose."},
                         {"least", Type::Number, false, "As in propose."},
                         {"bones", Type::Array, false, "As in propose."},

@@ -178,6 +178,18 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments) {
     return request;
 }
 
+bool canBecomeSoft(const Document& document, const CharacterSource& character) {
+    if (!character.body || !character.cuts.empty()) return false;
+    const auto elements = document.elementsOf(character.id);
+    const auto own = [&](PartId element) { return std::find(elements.begin(), elements.end(), element) != elements.end(); };
+    return std::all_of(elements.begin(), elements.end(), [&](PartId id) { return document.elements.at(id)->handles.empty(); }) &&
+           std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return own(bone.second->element); });
+}
+
+bool canBecomeSoft(const Document& document, const Element& element) {
+    return !element.piece && element.faces.empty() && std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return bone.second->element == element.id; });
+}
+
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
     using From = ProposalRequest::From;
     if (character.rig && !character.rig->bones.empty() && request.from != From::Shape) {

@@ -23,6 +23,10 @@ Result<ProposalRequest> proposalRequestFrom(const Json& arguments);
 /// Proposes for a character. Auto: from its skeleton, if its file brought one, else from its shape. Errors: those of proposeFromShape(), "no-skeleton", "no-such-bone".
 Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress);
 
+/// What make-soft and propose begin with: a character without cuts, bones and handles, or an element of its own without joint faces, handles and bones.
+[[nodiscard]] bool canBecomeSoft(const Document& document, const CharacterSource& character);
+[[nodiscard]] bool canBecomeSoft(const Document& document, const Element& element);
+
 /// {"from", "root", "cuts", "bones", "pins", "handles", "parts", "merged", "notes", "symmetry"}.
 Json proposalJson(const CharacterSource& character, const Proposal& proposal);
 

@@ -167,6 +167,45 @@ TEST_CASE("make-soft: takes a character that is there, once") {
     CHECK(second["elements"].size() == answer["elements"].size());
 }
 
+TEST_CASE("make-soft: an element of its own becomes the whole character that an import would have made of its file, in one step") {
+    Workbench w, imported;
+    useCapsules(imported);
+    const Json expected = imported.good(makeSoft("starfish"));
+    w.session.setImporter([](const ImportRequest&, const Progress&) -> Result<ImportResult> {
+        ImportResult result;
+        result.bodies.push_back(importedBody("starfish", capsules::starfish()));
+        return result;
+    });
+    w.good({{"do", "import-element"}, {"path", "starfish"}});
+    w.good({{"do", "set"}, {"target", "starfish"}, {"property", "nu"}, {"value", 0.3}});
+    const std::string before = w.content();
+    const Json answer = w.good({{"do", "make-soft"}, {"element", "starfish"}, {"precompute", false}});
+    CHECK(answer["character"] == "starfish");
+    for (const char* key : {"cuts", "bones", "pins", "refused", "elements"}) CHECK_MESSAGE(answer[key] == expected[key], key);
+    for (const auto& [id, element] : w.session.document().elements) CHECK(element->nu == 0.3);  // what was set for it stays
+    CHECK(w.session.steps().back().name == "make-soft");
+    CHECK(commandsOf(w).contains("make-character"));
+    const std::string made = w.content();
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+    w.good({{"do", "redo"}});
+    CHECK(w.content() == made);
+    // By its piece the character is meant, which is soft already.
+    CHECK(w.code({{"do", "make-soft"}, {"element", answer["elements"][0]}, {"precompute", false}}) == "already-cut");
+    CHECK(w.code({{"do", "make-character"}, {"element", answer["elements"][0]}}) == "part-of-character");
+    CHECK(w.code({{"do", "make-soft"}, {"element", "nobody"}}) == "no-such-element");
+    CHECK(w.code({{"do", "make-soft"}, {"element", "starfish"}, {"unit", "cm"}}) == "bad-value");
+    CHECK(w.code({{"do", "make-soft"}, {"element", "starfish"}, {"character", "starfish"}}) == "bad-value");
+    CHECK(w.content() == made);
+
+    // One that is moved by something already is refused, and stays an element.
+    Workbench chain;
+    chain.buildChain();
+    const std::string as = chain.content();
+    CHECK(chain.code({{"do", "make-soft"}, {"element", "A"}}) == "already-cut");
+    CHECK(chain.content() == as);
+}
+
 TEST_CASE("make-soft: what fails leaves nothing behind") {
     Workbench w;
     useCapsules(w);

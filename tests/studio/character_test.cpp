@@ -375,6 +375,58 @@ TEST_CASE("studio: the view says what comes next, a mesh that is there is made s
     CHECK(!next->isVisible());
 }
 
+TEST_CASE("studio: an element that came in by itself is made soft later, as one step; what is moved by something already says why not") {
+    Window w;
+    const QString path = writeMesh(w.folder.filePath(QStringLiteral("star.obj")), capsules::starfish());
+    w.run({{"do", "import-element"}, {"path", path.toStdString()}, {"name", "star"}});
+    w.window().showStart(false);
+    w.view().frameAll(false);
+    w.document().select({});
+    w.settle();
+    const int before = w.document().session().position();
+    QAction* soft = w.window().actions()["make-soft"];
+    CHECK(commandName(*soft) == QStringLiteral("Make it soft"));  // by this name it is found
+    REQUIRE(soft->isEnabled());                                  // the only one there is
+    auto* next = w.window().findChild<NextSteps*>();
+    QPushButton* offered = nullptr;
+    for (auto* button : next->findChildren<QPushButton*>(QStringLiteral("nextSoft")))
+        if (button->isVisible()) offered = button;
+    REQUIRE(offered);
+    CHECK(cutOff(*next) == "");
+    w.shoot("element-soften");
+    QTest::mouseClick(offered, Qt::LeftButton);
+    REQUIRE(w.window().steps().running());
+    waitFor([&] { return !w.window().steps().running(); });
+    REQUIRE(w.document().session().position() == before + 1);
+    CHECK(stepText(w.document().session().steps().back().name, w.document().session().steps().back().subject) == QStringLiteral("Make soft: star"));
+    REQUIRE(w.now().characters.size() == 1);
+    CHECK(w.now().bones.size() >= 5);
+    w.settle();
+    w.shoot("element-softened");
+    CHECK(!soft->isEnabled());
+    w.trigger("undo");
+    CHECK(w.now().characters.empty());
+    CHECK(w.now().elements.begin()->second->name == "star");
+    CHECK(soft->isEnabled());
+
+    // A proposal is looked at first: that takes a character, too.
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    w.settle();
+    w.trigger("propose");
+    waitFor([&] { return w.view().proposal(); });
+    CHECK(w.now().characters.size() == 1);
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    w.settle();
+    w.trigger("undo");
+    CHECK(w.now().characters.empty());
+
+    const Points& v = w.now().elements.begin()->second->mesh->body.vertices;
+    w.run({{"do", "handle"}, {"element", "star"}, {"name", "tip"}, {"point", {v(0, 0), v(0, 1), v(0, 2)}}, {"radius", 0.1}});
+    w.settle();
+    CHECK(!soft->isEnabled());
+    CHECK(whyDisabled(*soft) == QStringLiteral("It has joint faces, bones or handles: precompute makes it soft."));
+}
+
 TEST_CASE("studio: a size that cannot be meant is asked about once for each file") {
     Window w;
     TriangleMesh large = capsules::starfish();

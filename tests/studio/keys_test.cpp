@@ -140,8 +140,8 @@ TEST_CASE("keys: what cannot be done now says why, by its key, in its tip and wh
     w.view().setFocus();
     QTest::keyClick(&w.view(), Qt::Key_M, Qt::ShiftModifier);
     CHECK(w.window().messages().isVisible());
-    CHECK(w.window().messages().text() == QStringLiteral("There is no character: import one, or select one of several."));
-    CHECK(w.window().actions()["make-soft"]->toolTip().contains(QStringLiteral("There is no character")));
+    CHECK(w.window().messages().text() == QStringLiteral("There is nothing to make soft: import a mesh, or select one of several characters and elements."));
+    CHECK(w.window().actions()["make-soft"]->toolTip().contains(QStringLiteral("There is nothing to make soft")));
     for (const QAction* action : w.window().actions().all())
         if (!action->isEnabled()) CHECK_MESSAGE(!whyDisabled(*action).isEmpty(), action->objectName().toStdString());
     w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));

@@ -88,6 +88,9 @@ Json makeSoft(const std::string& character, const ChosenBones& bones) {
     return command;
 }
 
+Json makeCharacter(const std::string& element) { return {{"do", "make-character"}, {"element", element}}; }
+Json makeElementSoft(const std::string& element) { return {{"do", "make-soft"}, {"element", element}, {"precompute", false}, {"alive", true}}; }
+
 bool isMakeSoft(const Json& command) { return command.at("do") == "make-soft"; }
 
 Json importSkeleton(const std::string& character, const std::string& path) { return {{"do", "import-skeleton"}, {"character", character}, {"path", path}}; }

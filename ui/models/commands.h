@@ -55,6 +55,9 @@ using ChosenBones = std::optional<std::vector<std::string>>;
 Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {}, const ChosenBones& bones = {});
 /// A character that is there and has no cuts, bones and handles yet.
 Json makeSoft(const std::string& character, const ChosenBones& bones = {});
+/// An element of its own becomes a character; and one that is soft.
+Json makeCharacter(const std::string& element);
+Json makeElementSoft(const std::string& element);
 [[nodiscard]] bool isMakeSoft(const Json& command);
 /// The bones and clips of a file for a character.
 Json importSkeleton(const std::string& character, const std::string& path);

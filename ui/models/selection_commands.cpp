@@ -98,12 +98,12 @@ const CharacterSource* chosenCharacter(const StudioDocument& document) {
     return d.characters.size() == 1 ? d.characters.begin()->second.get() : nullptr;
 }
 
-bool canBecomeSoft(const Document& document, const CharacterSource& character) {
-    if (!character.body || !character.cuts.empty()) return false;
-    const auto elements = document.elementsOf(character.id);
-    const auto own = [&](PartId element) { return std::find(elements.begin(), elements.end(), element) != elements.end(); };
-    return std::all_of(elements.begin(), elements.end(), [&](PartId id) { return document.elements.at(id)->handles.empty(); }) &&
-           std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return own(bone.second->element); });
+SoftWish softWish(const StudioDocument& document) {
+    const Document& d = document.document();
+    for (const SelectionItem& item : document.selection())
+        if (const Element* element = elementOf(d, item); element && !element->piece) return {nullptr, element};
+    if (const CharacterSource* character = chosenCharacter(document)) return {character, nullptr};
+    return {nullptr, d.elements.size() == 1 ? d.elements.begin()->second.get() : nullptr};
 }
 
 bool duplicateSelected(StudioDocument& document) {

@@ -30,8 +30,12 @@ struct Replaceable {
 [[nodiscard]] Replaceable replaceable(const StudioDocument& document);
 /// The character that is selected, or whose part is, or the only one there is; null: none.
 [[nodiscard]] const CharacterSource* chosenCharacter(const StudioDocument& document);
-/// A character without cuts, bones and handles, for which "propose" and "make-soft" can be done.
-[[nodiscard]] bool canBecomeSoft(const Document& document, const CharacterSource& character);
+/// What is meant by "Make it soft": the element of its own that is selected, else chosenCharacter(), else the only element there is. At most one of both.
+struct SoftWish {
+    const CharacterSource* character = nullptr;
+    const Element* element = nullptr;
+};
+[[nodiscard]] SoftWish softWish(const StudioDocument& document);
 /// Pins or unpins the selected endpoints, and the ends of the selected bones.
 void togglePins(StudioDocument& document);
 /// Joins the two joint faces that are selected and returns their paths; none where it failed or others than two are selected.

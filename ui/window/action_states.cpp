@@ -4,6 +4,7 @@
 #include <QLocale>
 #include <algorithm>
 
+#include "core/document/proposal_commands.h"
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
@@ -52,14 +53,16 @@ void ActionStates::update() {
     for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a.allow(id, canMirror(document_), tr("Select an element, a character or a bone first."));
     a.allow("replace-mesh", !replaceable(document_).name.empty(), tr("Select one character, or one element of its own."));
     const CharacterSource* character = chosenCharacter(document_);
+    const SoftWish wish = softWish(document_);
     const bool idle = !steps_.running(), rigged = character && character->rig && !character->rig->bones.empty(), soften = character && idle && canBecomeSoft(d, *character);
-    const QString notSoft = !character ? noCharacter : !idle ? working : tr("It is soft already: it has cuts, bones or handles.");
+    const QString notSoft = !idle ? working : !character ? noCharacter : tr("It is soft already: it has cuts, bones or handles.");
+    const QString nothingSoft = tr("There is nothing to make soft: import a mesh, or select one of several characters and elements."), elementIsSoft = tr("It has joint faces, bones or handles: precompute makes it soft.");
     const QString noBones = tr("Its file has no skeleton. “Import skeleton” brings one.");
-    a.allow("make-soft", soften, notSoft);
+    const bool becomesSoft = idle && (wish.element ? canBecomeSoft(d, *wish.element) : soften);
+    for (const char* id : {"make-soft", "propose"}) a.allow(id, becomesSoft, !idle || wish.character ? notSoft : wish.element ? elementIsSoft : nothingSoft);
     a.allow("make-soft-bones", soften && rigged, soften ? noBones : notSoft);
     a.allow("import-skeleton", character && idle, character ? working : noCharacter);
     a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
-    a.allow("propose", soften, notSoft);
     a.allow("hide", count(Kind::Element) > 0, tr("Select an element first."));
     a.allow("join", count(Kind::Face) == 2, tr("Select the two joint faces that are to be joined: one, and with Shift the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });

@@ -340,6 +340,8 @@ void FileFlow::makeSoft(const CharacterSource& character, const std::optional<st
     startSoft(commands::makeSoft(character.name, bones), QString::fromStdString(character.name), nullptr);
 }
 
+void FileFlow::makeSoft(const Element& element) { startSoft(commands::makeElementSoft(element.name), QString::fromStdString(element.name), nullptr); }
+
 void FileFlow::makeSoft(const Json& command) { startSoft(command, QString::fromStdString(command.at("character").get<std::string>()), nullptr); }
 
 void FileFlow::askImportSkeleton(const CharacterSource& character) {

@@ -20,6 +20,7 @@
 #include <QWindow>
 #include <algorithm>
 
+#include "core/document/proposal_commands.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/export_job.h"
@@ -285,9 +286,11 @@ void MainWindow::connectSteps() {
     const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->proposal()); };
     connect(steps_, &StepFlow::changed, this, wait);
     connect(viewport_, &ViewportWidget::toolChanged, this, wait);
-    connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId character) {
+    connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId part) {
         settle();
-        files_->makeSoft(*document_.document().characters.at(character));
+        const Document& d = document_.document();
+        if (const auto character = d.characters.find(part); character != d.characters.end()) files_->makeSoft(*character->second);
+        else files_->makeSoft(*d.elements.at(part));
     });
     connect(rigs_, &RigFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::skeletonCame, this, [this](const QString& name, const QString& text) {

@@ -7,6 +7,7 @@
 #include <QSettings>
 
 #include "ui/dialogs/export_dialog.h"
+#include "core/document/proposal_commands.h"
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/manual_dialog.h"
 #include "ui/dialogs/picture_dialog.h"
@@ -148,7 +149,12 @@ void MainWindow::connectSoftActions() {
             run(*character);
         });
     };
-    onCharacter("make-soft", [this](const CharacterSource& character) { files_->makeSoft(character); });
+    onSettled("make-soft", [this] {
+        const SoftWish wish = softWish(document_);
+        if (wish.character || wish.element) showStart(false);
+        if (wish.character) files_->makeSoft(*wish.character);
+        if (wish.element) files_->makeSoft(*wish.element);
+    });
     onCharacter("make-soft-bones", [this](const CharacterSource& character) { rigs_->chooseBones(character); });
     onCharacter("import-skeleton", [this](const CharacterSource& character) { files_->askImportSkeleton(character); });
     onCharacter("import-clips", [this](const CharacterSource& character) { files_->askImportClips(character); });
@@ -243,7 +249,12 @@ void MainWindow::startPrecompute() {
 }
 
 void MainWindow::propose() {
-    const CharacterSource* character = chosenCharacter(document_);
+    const SoftWish wish = softWish(document_);
+    const CharacterSource* character = wish.character;
+    if (wish.element && canBecomeSoft(document_.document(), *wish.element)) {
+        const std::string name = wish.element->name;
+        if (document_.execute(commands::makeCharacter(name))) character = document_.document().characterNamed(name);
+    }
     if (!character || !canBecomeSoft(document_.document(), *character)) return;
     if (!viewport_->resumeProposal(character->id)) return proposals_->start(document_.document().characters.at(character->id));
     showStart(false);

@@ -11,6 +11,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "core/document/proposal_commands.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/studio_document.h"
 #include "ui/widgets/action_set.h"
@@ -114,6 +115,9 @@ void NextSteps::rebuild() {
         connect(button(name, withKey(label, *a), icon, primary), &QPushButton::clicked, a, &QAction::trigger);
     };
     QString title;
+    const auto soft = [&](bool primary) {
+        connect(button("nextSoft", withKey(tr("Make it soft"), *actions_["make-soft"]), "soft", primary), &QPushButton::clicked, this, [this, id = shown_.subject] { Q_EMIT makeSoftWanted(id); });
+    };
     switch (shown_.step) {
         case Step::Begin:
             title = tr("Drop a mesh or a project here");
@@ -124,7 +128,7 @@ void NextSteps::rebuild() {
         case Step::Soften:
             name_ = d.characters.at(shown_.subject)->name;
             title = tr("“%1” is not soft yet.").arg(QString::fromStdString(name_));
-            connect(button("nextSoft", withKey(tr("Make it soft"), *actions_["make-soft"]), "soft", true), &QPushButton::clicked, this, [this, id = shown_.subject] { Q_EMIT makeSoftWanted(id); });
+            soft(true);
             trigger("nextHandle", tr("Place a handle"), "handle", "tool-handle", false);
             trigger("nextCut", tr("Cut it"), "cut", "tool-face", false);
             break;
@@ -133,6 +137,7 @@ void NextSteps::rebuild() {
             title = tr("“%1” has nothing to be moved by yet.").arg(QString::fromStdString(name_));
             trigger("nextFace", tr("Place a joint face"), "face", "tool-face", true);
             trigger("nextHandle", tr("Place a handle"), "handle", "tool-handle", false);
+            if (canBecomeSoft(d, *d.elements.at(shown_.subject))) soft(false);
             break;
         case Step::Bones:
             title = tr("Bones move joint faces.");

@@ -30,7 +30,7 @@ public:
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 signals:
-    void makeSoftWanted(imomushi::PartId character);
+    void makeSoftWanted(imomushi::PartId part);  ///< a character, or an element of its own
 
 protected:
     void paintEvent(QPaintEvent* event) override;
