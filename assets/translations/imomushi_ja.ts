@@ -68,7 +68,7 @@
             <translation>すべての要素を選択(&amp;A)</translation>
         </message>
         <message>
-            <source>Select &amp;nothing</source>
+            <source>Select &amp;none</source>
             <translation>選択を解除(&amp;N)</translation>
         </message>
         <message>
@@ -96,8 +96,8 @@
             <translation>前計算(&amp;P)</translation>
         </message>
         <message>
-            <source>&amp;Join the selected faces</source>
-            <translation>選択した面をつなぐ(&amp;J)</translation>
+            <source>&amp;Join the selected joint faces</source>
+            <translation>選択した関節面を結合(&amp;J)</translation>
         </message>
         <message>
             <source>P&amp;in or unpin</source>
@@ -296,7 +296,7 @@
             <translation>ボーンを選んで柔らかくする(&amp;C)…</translation>
         </message>
         <message>
-            <source>Takes from &amp;clips…</source>
+            <source>Make takes of &amp;clips…</source>
             <translation>クリップからテイクを作る(&amp;C)…</translation>
         </message>
         <message>
@@ -430,7 +430,7 @@
         </message>
         <message>
             <source>On how many patches of a surface others press. More of them make finer dents, and a longer precompute.</source>
-            <translation>表面のいくつの区画で押されるか。多いほどへこみが細かくなり、事前計算が長くなります。</translation>
+            <translation>表面のいくつの区画で押されるか。多いほどへこみが細かくなり、前計算が長くなります。</translation>
         </message>
         <message>
             <source>Coulomb’s coefficient between two surfaces. 0: they slide over each other.</source>
@@ -497,8 +497,8 @@
             <translation>戻り</translation>
         </message>
         <message>
-            <source>How fast a body that nothing holds comes back. 0: it floats and falls, as it always does where gravity draws it to the ground.</source>
-            <translation>何も保持していない体が元の位置に戻る速さ。0：浮かび、落ちる（重力が床へ引くときは常に落ちる）。</translation>
+            <source>How fast a character that nothing holds returns to its place. 0: not at all. With gravity and ground it falls, whatever this says.</source>
+            <translation>何にも保持されていないキャラクターが元の位置に戻る速さ。0：戻らない。重力と床があるときは、この値によらず落ちます。</translation>
         </message>
         <message>
             <source>Jiggle</source>
@@ -545,15 +545,15 @@
             <translation>自由落下の加速度（世界座標）。</translation>
         </message>
         <message>
-            <source>Shear modulus of elements with stiffness 1, instead of the sag: softer flesh sags more. 0: as the sag says.</source>
-            <translation>硬さ 1 の要素のせん断弾性率（垂れの代わりに使う）。小さいほど大きく垂れ下がります。0 では垂れの値に従います。</translation>
+            <source>Shear modulus of flesh of stiffness 1: less is softer, and sags more. It is used instead of “Sag”; 0: “Sag” is used.</source>
+            <translation>硬さ 1 の肉のせん断弾性率。小さいほど柔らかく、大きく垂れます。「垂れ」の代わりに使われます。0：「垂れ」を使う。</translation>
         </message>
         <message>
             <source>Sag</source>
             <translation>垂れ</translation>
         </message>
         <message>
-            <source>How far flesh of stiffness 1 sags under the gravity of the Earth, over the height of the character.</source>
+            <source>How far flesh of stiffness 1 sags under Earth’s gravity, as a share of the height of the character.</source>
             <translation>地球の重力で硬さ 1 の肉が垂れ下がる長さ（キャラクターの高さに対する割合）。</translation>
         </message>
         <message>
@@ -561,8 +561,8 @@
             <translation>慣性</translation>
         </message>
         <message>
-            <source>How much of its own acceleration the flesh feels. 0: none.</source>
-            <translation>体が自身の加速度を受ける割合。0：受けない。</translation>
+            <source>How strongly the flesh lags behind when it is accelerated. 0: not at all.</source>
+            <translation>加速したときに肉がどれだけ遅れてついてくるか。0：遅れない。</translation>
         </message>
         <message>
             <source>Pressure</source>
@@ -649,12 +649,12 @@
             <translation>接触で扱える数より多くの場所が押されています。深い場所から支え、ほかは貫通することがあります。</translation>
         </message>
         <message>
-            <source>In the ground: the target is below it, and the body stays above.</source>
-            <translation>床の中です。目標が床より下にあり、体は床の上に留まります。</translation>
+            <source>The target is below the ground: the body stays above it.</source>
+            <translation>目標が床より下にあります。体は床の上に留まります。</translation>
         </message>
         <message>
-            <source>Out of reach: the bones stretch no farther.</source>
-            <translation>届きません。ボーンがこれ以上伸びません。</translation>
+            <source>The target is out of reach: the bones stretch no farther.</source>
+            <translation>目標に届きません。ボーンがこれ以上伸びません。</translation>
         </message>
         <message>
             <source>The pose twists a joint face, which the joint shapes “None, without twist” cannot follow: choose “None” or more.</source>
@@ -795,12 +795,12 @@
             <translation>時間がかかりすぎました。</translation>
         </message>
         <message>
-            <source>A process that helps the studio broke down. Repair the surface, or export the file again.</source>
-            <translation>スタジオを補助するプロセスが停止しました。表面を修復するか、ファイルを書き出し直してください。</translation>
+            <source>A helper process of the studio crashed. Repair the mesh, or export the file again.</source>
+            <translation>スタジオの補助プロセスが異常終了しました。メッシュを修復するか、ファイルを書き出し直してください。</translation>
         </message>
         <message>
-            <source>A process that helps the studio was ended by the system or by another program. Try again.</source>
-            <translation>スタジオを補助するプロセスが、システムまたは別のプログラムに終了させられました。もう一度試してください。</translation>
+            <source>The system or another program ended a helper process of the studio. Try again.</source>
+            <translation>スタジオの補助プロセスが、システムまたは別のプログラムに終了させられました。もう一度試してください。</translation>
         </message>
         <message>
             <source>Cancelled.</source>
@@ -828,7 +828,7 @@
         </message>
         <message>
             <source>The element cannot be solved. Check its mesh.</source>
-            <translation>要素を解けません。メッシュを確認してください。</translation>
+            <translation>要素を計算できません。メッシュを確認してください。</translation>
         </message>
         <message>
             <source>The mesh is not a closed surface facing outward. Repair it first.</source>
@@ -919,8 +919,8 @@
             <translation>スクリプトに読めない行があります。</translation>
         </message>
         <message>
-            <source>A bone hangs on one that it touches and that does not hang on it. Choose another parent.</source>
-            <translation>ボーンの親にできるのは、接していて、そのボーンにぶら下がっていないボーンだけです。別の親を選んでください。</translation>
+            <source>The parent of a bone must touch it, and cannot be one of its children. Choose another parent.</source>
+            <translation>親にできるのは、そのボーンに接していて、その子ではないボーンだけです。別の親を選んでください。</translation>
         </message>
         <message>
             <source>A bone cannot end there. Choose another place.</source>
@@ -928,7 +928,7 @@
         </message>
         <message>
             <source>The graphics driver refuses a shader. Update the driver.</source>
-            <translation>グラフィックスドライバがシェーダーを受け付けません。ドライバを更新してください。</translation>
+            <translation>グラフィックスドライバーがシェーダーを受け付けません。ドライバーを更新してください。</translation>
         </message>
         <message>
             <source>A picture of this size cannot be drawn.</source>
@@ -967,8 +967,8 @@
             <translation>関節面が表面全体を覆っています。小さくしてください。</translation>
         </message>
         <message>
-            <source>A part of the surface sees no bone. Let bones run through it.</source>
-            <translation>どのボーンからも見えない表面があります。そこにボーンを通してください。</translation>
+            <source>No bone reaches a part of the surface. Place bones there.</source>
+            <translation>ボーンの届かない表面があります。そこにボーンを置いてください。</translation>
         </message>
         <message>
             <source>There is no such joint face or end of a bone.</source>
@@ -999,8 +999,8 @@
             <translation>このボーンの端やハンドルはピン留めされていません。</translation>
         </message>
         <message>
-            <source>The heat of the bones was not found. Repair triangles without area.</source>
-            <translation>ボーンの熱を求められませんでした。面積のない三角形を修復してください。</translation>
+            <source>The skin weights could not be computed. Repair triangles without area.</source>
+            <translation>スキンウェイトを計算できませんでした。面積のない三角形を修復してください。</translation>
         </message>
         <message>
             <source>This point cannot be touched. Choose one of the free surface.</source>
@@ -1016,11 +1016,11 @@
         </message>
         <message>
             <source>A file that belongs to this one lies outside its folder.</source>
-            <translation>付属するファイルがフォルダの外にあります。</translation>
+            <translation>付属するファイルがフォルダーの外にあります。</translation>
         </message>
         <message>
-            <source>Both joint faces belong to one element. Join those of two.</source>
-            <translation>二つの関節面が同じ要素にあります。別々の要素の面を結合してください。</translation>
+            <source>Both joint faces belong to one element. Choose faces of two elements.</source>
+            <translation>2 つの関節面が同じ要素にあります。別々の要素の面を選んでください。</translation>
         </message>
         <message>
             <source>The body cannot be filled with tetrahedra. Repair it, or choose another solver mesh.</source>
@@ -1060,14 +1060,14 @@
         </message>
         <message>
             <source>A handle moves by itself and cannot be joined.</source>
-            <translation>ハンドルは単独で動くため、接合できません。</translation>
+            <translation>ハンドルは単独で動くため、結合できません。</translation>
         </message>
         <message>
             <source>The disc closes around a limb or has a hole. Make it smaller.</source>
             <translation>円板が手足を一周しているか、穴があります。小さくしてください。</translation>
         </message>
         <message>
-            <source>The detail of a wrap lies between 0.001 and 0.2 diagonals of the mesh.</source>
+            <source>The detail of a wrap must be between 0.001 and 0.2 times the diagonal of the mesh.</source>
             <translation>包み込みの細かさは、メッシュの対角線の 0.001 から 0.2 倍までです。</translation>
         </message>
         <message>
@@ -1075,7 +1075,7 @@
             <translation>切断面の並びは変えられません。ほかの場所に置いてください。</translation>
         </message>
         <message>
-            <source>Two cuts touch or come too near to each other. Move one of them away.</source>
+            <source>Two cuts touch, or are too close to each other. Move one of them away.</source>
             <translation>二つの切断面が触れているか、近すぎます。どちらかを離してください。</translation>
         </message>
         <message>
@@ -1135,8 +1135,8 @@
             <translation>断面が自分自身に触れているか、交わっています。平面を少し動かすか、回してください。</translation>
         </message>
         <message>
-            <source>A joint face lies where the body becomes another. Remove it first.</source>
-            <translation>ボディが変わる場所にジョイント面があります。先に取り除いてください。</translation>
+            <source>The body changes where a joint face lies. Remove that face first.</source>
+            <translation>ボディの変わるところに関節面があります。先にその面を削除してください。</translation>
         </message>
         <message>
             <source>The character has no part of that name.</source>
@@ -1196,23 +1196,23 @@
         </message>
         <message>
             <source>The take would not fit into memory: choose fewer frames per second.</source>
-            <translation>テイクがメモリーに収まりません。1 秒あたりのフレーム数を減らしてください。</translation>
+            <translation>テイクがメモリに収まりません。1 秒あたりのフレーム数を減らしてください。</translation>
         </message>
         <message>
-            <source>The proposal does not hang together. Give back what propose answers, or correct what was changed.</source>
+            <source>The proposal contradicts itself. Give back the answer of propose, or correct what was changed.</source>
             <translation>提案が矛盾しています。propose の答えをそのまま返すか、変更した箇所を直してください。</translation>
         </message>
         <message>
-            <source>That end lies on a cut. Move the cut.</source>
-            <translation>その端は切断の上にあります。切断を動かしてください。</translation>
+            <source>That end of a bone lies on a cut. Move the cut.</source>
+            <translation>ボーンのその端は切断の上にあります。切断を動かしてください。</translation>
         </message>
         <message>
             <source>A bone would have no length. Choose a place farther away.</source>
             <translation>ボーンの長さがなくなります。もっと離れた場所を選んでください。</translation>
         </message>
         <message>
-            <source>This effect cannot wait for poses that call for it.</source>
-            <translation>このエフェクトは、必要なポーズになるのを待つことができません。</translation>
+            <source>This effect cannot turn on by itself where a pose needs it.</source>
+            <translation>このエフェクトは、必要なポーズのときだけ自動でオンにすることができません。</translation>
         </message>
         <message>
             <source>The file is glTF 1. Export it again as glTF 2.0, or convert it with gltf-pipeline.</source>
@@ -1318,8 +1318,8 @@
             <translation>触れ合わない部分を肉の管でつなぎました。</translation>
         </message>
         <message>
-            <source>A link that was asked for was not made: the two parts must face each other all around it, and touch nowhere else.</source>
-            <translation>求められたつなぎの一つは作られませんでした。二つの部分がその周り全体で向かい合い、ほかで触れていないことが必要です。</translation>
+            <source>A link was not made: its two parts must face each other all around it, and touch nowhere else.</source>
+            <translation>つなぎの一つを作れませんでした。二つの部分がその周り全体で向かい合い、ほかで触れていないことが必要です。</translation>
         </message>
         <message>
             <source>Parts without a motion of their own were left out of the body, which carries them.</source>
@@ -1350,7 +1350,7 @@
             <translation>ボディがすき間を閉じています。両側は一体で動きます。</translation>
         </message>
         <message>
-            <source>Some steps broke down or came to no end on this surface and were left out. Repair the mesh for a body that has all of it.</source>
+            <source>Some steps failed or did not finish on this surface, and were skipped. Repair the mesh to get the whole body.</source>
             <translation>この面では一部の処理が失敗するか終わらないため、省きました。すべてを含むボディにするには、メッシュを直してください。</translation>
         </message>
         <message>
@@ -1395,26 +1395,26 @@
         </message>
         <message>
             <source>A VRM avatar: its humanoid bones, expressions and licence came along.</source>
-            <translation>VRM アバター: 人型ボーン、表情、ライセンスも読み込みました。</translation>
+            <translation>VRM アバター：人型ボーン、表情、ライセンスも読み込みました。</translation>
         </message>
         <message>
             <source>Springs, first person and look-at of the avatar are kept for export and move nothing here.</source>
             <translation>アバターの揺れもの、一人称表示、視線の設定は書き出し用に保たれます。ここでは何も動かしません。</translation>
         </message>
         <message>
-            <source>Constraints between bones of the avatar have no effect here and do not go out again.</source>
+            <source>Constraints between bones of the avatar have no effect here, and are not exported.</source>
             <translation>アバターのボーン間のコンストレイントは、ここでは働かず、書き出しもされません。</translation>
         </message>
         <message>
-            <source>Of toon shading colours and pictures came; shade colours, rims and outlines are not shown and do not go out again.</source>
+            <source>Of toon shading, colours and pictures were imported. Shade colours, rims and outlines are not shown, and not exported.</source>
             <translation>トゥーンシェーディングのうち、色と画像を読み込みました。陰の色、リム、輪郭線は表示されず、書き出しもされません。</translation>
         </message>
         <message>
-            <source>What the avatar says of pictures, materials and things that did not come with it was left out.</source>
+            <source>Settings of the avatar for pictures, materials and things that were not imported were left out.</source>
             <translation>アバターの画像、マテリアル、読み込まれなかったものについての設定は省かれました。</translation>
         </message>
         <message>
-            <source>What the avatar says wrongly or of things that do not exist was left out.</source>
+            <source>Settings of the avatar that are wrong, or about things that do not exist, were left out.</source>
             <translation>アバターの設定のうち、誤りのあるものや存在しないものについてのものは省かれました。</translation>
         </message>
         <message>
@@ -1529,7 +1529,7 @@
         </message>
         <message>
             <source>Mirrored, but for %1 parts. “%2”: %3</source>
-            <translation>ミラーしました。ただし%1個を除きます。「%2」: %3</translation>
+            <translation>ミラーしました。ただし %1 個を除きます。「%2」：%3</translation>
         </message>
     </context>
     <context>
@@ -1564,7 +1564,7 @@
         </message>
         <message>
             <source>Join faces</source>
-            <translation>面をつなぐ</translation>
+            <translation>面を結合</translation>
         </message>
         <message>
             <source>Separate faces</source>
@@ -1772,7 +1772,7 @@
         </message>
         <message>
             <source>The faces were not joined. %1</source>
-            <translation>面をつなげませんでした。%1</translation>
+            <translation>面を結合できませんでした。%1</translation>
         </message>
         <message>
             <source>Touches the joint face "%1"</source>
@@ -1878,15 +1878,15 @@
         </message>
         <message>
             <source>Drag: pose · P: pin · Delete: remove the selected</source>
-            <translation>ドラッグ: ポーズ · P: ピン留め · Delete: 選択したものを削除</translation>
+            <translation>ドラッグ：ポーズ · P：ピン留め · Delete：選択したものを削除</translation>
         </message>
         <message>
             <source>Press on a body: a handle, dragged at once</source>
-            <translation>ボディを押す: ハンドルを作り、そのままドラッグ</translation>
+            <translation>ボディを押す：ハンドルを作り、そのままドラッグ</translation>
         </message>
         <message>
             <source>Press: handle · Drag on: pose · [ ] or Ctrl+wheel: radius (%1)</source>
-            <translation>押す: ハンドル · そのままドラッグ: ポーズ · [ ] か Ctrl+ホイール: 半径 (%1)</translation>
+            <translation>押す：ハンドル · そのままドラッグ：ポーズ · [ ] か Ctrl+ホイール：半径 (%1)</translation>
         </message>
         <message>
             <source>Drag a handle or the end of a bone</source>
@@ -1935,7 +1935,7 @@
         <message>
             <source>“%1” does not cut there: %2</source>
             <comment>a plane, why</comment>
-            <translation>「%1」はそこでは切断できません: %2</translation>
+            <translation>「%1」はそこでは切断できません：%2</translation>
         </message>
         <message numerus="yes">
             <source>%n cut(s)</source>
@@ -1969,19 +1969,19 @@
         </message>
         <message>
             <source>Mirror: on (X)</source>
-            <translation>ミラー: オン (X)</translation>
+            <translation>ミラー：オン (X)</translation>
         </message>
         <message>
             <source>Mirror: off (X)</source>
-            <translation>ミラー: オフ (X)</translation>
+            <translation>ミラー：オフ (X)</translation>
         </message>
         <message>
             <source>Enter: make it soft</source>
-            <translation>Enter: 柔らかくする</translation>
+            <translation>Enter：柔らかくする</translation>
         </message>
         <message>
             <source>Esc: leave it as it is</source>
-            <translation>Esc: そのままにする</translation>
+            <translation>Esc：そのままにする</translation>
         </message>
         <message>
             <source>There is no flesh to cut here.</source>
@@ -1993,27 +1993,27 @@
         </message>
         <message>
             <source>Release: leave it here · Shift: fine · Right button: take back</source>
-            <translation>放す: ここに置く · Shift: 微調整 · 右ボタン: 元に戻す</translation>
+            <translation>放す：ここに置く · Shift：微調整 · 右ボタン：元に戻す</translation>
         </message>
         <message>
             <source>Drag: move the plane · Ctrl+drag, or its arrow: turn it · Delete: drop it</source>
-            <translation>ドラッグ: 平面を移動 · Ctrl+ドラッグまたは矢印: 回転 · Delete: 取り除く</translation>
+            <translation>ドラッグ：平面を移動 · Ctrl+ドラッグまたは矢印：回転 · Delete：取り除く</translation>
         </message>
         <message>
             <source>Drag: move the joint · Click: pin or unpin · Shift+drag: new bone</source>
-            <translation>ドラッグ: 関節点を移動 · クリック: ピンの切り替え · Shift+ドラッグ: 新しいボーン</translation>
+            <translation>ドラッグ：関節点を移動 · クリック：ピンの切り替え · Shift+ドラッグ：新しいボーン</translation>
         </message>
         <message>
             <source>Delete: drop the bone</source>
-            <translation>Delete: ボーンを取り除く</translation>
+            <translation>Delete：ボーンを取り除く</translation>
         </message>
         <message>
             <source>Drag: move the handle · Click: pin or unpin · Delete: drop it</source>
-            <translation>ドラッグ: ハンドルを移動 · クリック: ピンの切り替え · Delete: 取り除く</translation>
+            <translation>ドラッグ：ハンドルを移動 · クリック：ピンの切り替え · Delete：取り除く</translation>
         </message>
         <message>
             <source>Click: add a cut · Shift+drag: add a bone · Drag planes and joints · Delete: drop</source>
-            <translation>クリック: 切断を追加 · Shift+ドラッグ: ボーンを追加 · 平面と関節点をドラッグ · Delete: 取り除く</translation>
+            <translation>クリック：切断を追加 · Shift+ドラッグ：ボーンを追加 · 平面と関節点をドラッグ · Delete：取り除く</translation>
         </message>
         <message>
             <source>This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel</source>
@@ -2058,7 +2058,7 @@
             <translation>検索結果</translation>
         </message>
         <message>
-            <source>Nothing is called “%1”. Commands, panels, effects, settings, samples, and the parts, takes and clips of this project are found by their names.</source>
+            <source>Nothing is called “%1”. You can search for commands, panels, effects, settings and samples, and for the parts, takes and clips of this project.</source>
             <translation>「%1」は見つかりません。コマンド、パネル、エフェクト、設定、サンプル、このプロジェクトの部品・テイク・クリップを名前で探せます。</translation>
         </message>
     </context>
@@ -2073,8 +2073,8 @@
             <translation>エフェクト全体</translation>
         </message>
         <message>
-            <source>Processor time of what is on, of a whole frame without drawing. Nothing is computed while everything rests.</source>
-            <translation>オンのエフェクトの処理時間と、描画を除くフレーム全体の処理時間。すべてが静止している間は何も計算しません。</translation>
+            <source>Processor time of one frame with all effects that are on, without drawing. At rest nothing is computed.</source>
+            <translation>オンのエフェクトをすべて含む 1 フレームの処理時間（描画を除く）。静止中は何も計算しません。</translation>
         </message>
         <message>
             <source>Measured: per frame while it moves</source>
@@ -2133,8 +2133,8 @@
             <translation>ポーズに必要なところだけ</translation>
         </message>
         <message>
-            <source>Comes by itself, element by element, before anything folds, and costs nothing meanwhile.</source>
-            <translation>折れ込む前に要素ごとに自動でかかり、それまでは計算しません。</translation>
+            <source>Turns on by itself, element by element, before anything folds. Until then it costs nothing.</source>
+            <translation>折れ込む前に、要素ごとに自動でオンになります。それまでは計算しません。</translation>
         </message>
         <message>
             <source>Turn on</source>
@@ -2149,8 +2149,8 @@
             <translation>押している間比較</translation>
         </message>
         <message>
-            <source>Shows the pose with it for as long as you press.</source>
-            <translation>押している間、かけた状態のポーズを表示します。</translation>
+            <source>Shows the pose with the effect while you press.</source>
+            <translation>押している間、エフェクトをかけたポーズを表示します。</translation>
         </message>
         <message>
             <source>Not now</source>
@@ -2172,11 +2172,11 @@
     <context>
         <name>imomushi::Failures</name>
         <message>
-            <source>There is not enough memory: what was to be done or drawn was left out, and your work is safe. Close other programs, or choose a coarser solver mesh.</source>
-            <translation>メモリが足りないため、実行または描画できなかったものがあります。作業中の内容は失われていません。ほかのプログラムを終了するか、より粗いソルバーメッシュを選んでください。</translation>
+            <source>There is not enough memory to do or draw this. Your work is safe. Close other programs, or choose a coarser solver mesh.</source>
+            <translation>メモリが足りないため、実行または描画できませんでした。作業中の内容は失われていません。ほかのプログラムを終了するか、より粗い計算用メッシュを選んでください。</translation>
         </message>
         <message>
-            <source>The program made an error and left out what it was doing: %1. Please report it.</source>
+            <source>An error happened inside the program, and it gave up what it was doing: %1. Please report it.</source>
             <translation>プログラムの内部でエラーが起きたため、処理を中止しました：%1。ご報告ください。</translation>
         </message>
     </context>
@@ -2191,7 +2191,7 @@
             <translation>新しい版の Imomushi で作られたプロジェクトです。コピーとして開きました。保存すると次のものは失われます：%1</translation>
         </message>
         <message>
-            <source>A newer version of Imomushi wrote this project. What this one does not know has no effect and stays: %1.</source>
+            <source>A newer version of Imomushi wrote this project. This version does not know the following; it keeps it, without effect: %1.</source>
             <translation>新しい版の Imomushi で作られたプロジェクトです。この版にない次のものは働きませんが、そのまま残ります：%1</translation>
         </message>
         <message>
@@ -2211,7 +2211,7 @@
             <translation>「%1」の変更を保存しますか？</translation>
         </message>
         <message>
-            <source>They are lost otherwise.</source>
+            <source>If you don’t save them, they are lost.</source>
             <translation>保存しないと変更は失われます。</translation>
         </message>
         <message>
@@ -2336,7 +2336,7 @@
         <message numerus="yes">
             <source>%n more</source>
             <translation>
-                <numerusform>ほか%n個</numerusform>
+                <numerusform>ほか %n 個</numerusform>
             </translation>
         </message>
         <message>
@@ -2406,8 +2406,8 @@
             </translation>
         </message>
         <message>
-            <source>It has no counterpart of these bones: %1</source>
-            <translation>次のボーンに対応するものがありません: %1</translation>
+            <source>These bones of the clips have no counterpart in it: %1</source>
+            <translation>クリップの次のボーンに対応するものがありません：%1</translation>
         </message>
     </context>
     <context>
@@ -2527,16 +2527,16 @@
             <translation>キャラクター全体</translation>
         </message>
         <message>
-            <source>Any mesh. It stays as it is; a body moves it.</source>
-            <translation>どんなメッシュも可。ボディが動かします。</translation>
+            <source>Any mesh. It keeps its look; a closed body inside moves it.</source>
+            <translation>どんなメッシュも可。見た目はそのままで、閉じたボディが動かします。</translation>
         </message>
         <message>
             <source>Elements</source>
             <translation>要素</translation>
         </message>
         <message>
-            <source>Closed surfaces, each soft by itself.</source>
-            <translation>閉じた面。それぞれが柔らかくなります。</translation>
+            <source>Closed surfaces. Each one becomes a soft element.</source>
+            <translation>閉じた面。それぞれが柔らかい要素になります。</translation>
         </message>
         <message>
             <source>Body</source>
@@ -2579,7 +2579,7 @@
             <translation>とても細かい</translation>
         </message>
         <message>
-            <source>Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250.</source>
+            <source>Closes gaps narrower than twice this share of the diagonal: 1/30, 1/60, 1/120, 1/250.</source>
             <translation>対角線に対するこの割合（1/30、1/60、1/120、1/250）の 2 倍より狭いすき間は閉じられます。</translation>
         </message>
         <message>
@@ -2595,7 +2595,7 @@
             <translation>読み込めます。ボディ：%1。</translation>
         </message>
         <message>
-            <source>Unmended: mend issue by issue</source>
+            <source>Unmended: repair it issue by issue</source>
             <translation>未修復：問題を一つずつ修復</translation>
         </message>
         <message>
@@ -2603,7 +2603,7 @@
             <translation>柔らかくする：切断とボーンを形から決める</translation>
         </message>
         <message>
-            <source>From the skeleton of the file, if it has one, else from the shape. Everything can be changed afterwards, and taken back in one step.</source>
+            <source>Follows the skeleton of the file, if it has one, else the shape. You can change everything afterwards, or undo it in one step.</source>
             <translation>ファイルに骨格があればそれから、なければ形から決めます。後ですべて変更でき、1 回の取り消しで元に戻せます。</translation>
         </message>
         <message numerus="yes">
@@ -2640,7 +2640,7 @@
         </message>
         <message>
             <source>Replace the mesh of %1</source>
-            <translation>%1のメッシュを置き換え</translation>
+            <translation>%1 のメッシュを置き換え</translation>
         </message>
         <message>
             <source>Replace</source>
@@ -2699,12 +2699,12 @@
             <translation>このファイルには骨格がありません。切断とボーンは形から決めます。</translation>
         </message>
         <message>
-            <source>It is %1 large, which is hardly meant. In centimetres it is %2.</source>
-            <translation>大きさが %1 あります。おそらく単位が違います。センチメートルなら %2 です。</translation>
+            <source>It is %1 large. Is that the right unit? In centimetres it is %2.</source>
+            <translation>大きさが %1 あります。単位は正しいですか。センチメートルなら %2 です。</translation>
         </message>
         <message>
-            <source>It is %1 large, which is hardly meant. In millimetres it is %2.</source>
-            <translation>大きさが %1 あります。おそらく単位が違います。ミリメートルなら %2 です。</translation>
+            <source>It is %1 large. Is that the right unit? In millimetres it is %2.</source>
+            <translation>大きさが %1 あります。単位は正しいですか。ミリメートルなら %2 です。</translation>
         </message>
         <message>
             <source>Use centimetres</source>
@@ -2947,7 +2947,7 @@
             <translation>%1：垂れ %2 %</translation>
         </message>
         <message>
-            <source>Sets the four numbers below. How far a character of it sags under gravity with its default numbers, whatever its size, over its height.</source>
+            <source>Sets the four numbers below. The sag is that of a whole character of this material under default gravity, as a share of its height; the size does not matter.</source>
             <translation>下の 4 つの数値を設定します。「垂れ」は、キャラクター全体がこの材質のとき、既定の重力で垂れ下がる長さ（高さに対する割合）で、大きさによりません。</translation>
         </message>
         <message>
@@ -3075,8 +3075,8 @@
             <translation>包んだ面の誤差</translation>
         </message>
         <message>
-            <source>Errors together</source>
-            <translation>誤差の合計</translation>
+            <source>Total error</source>
+            <translation>合計誤差</translation>
         </message>
         <message>
             <source>Mapping error</source>
@@ -3091,7 +3091,7 @@
             <translation>かかった時間</translation>
         </message>
         <message>
-            <source>Solved with</source>
+            <source>Solved on</source>
             <translation>計算の規模</translation>
         </message>
         <message>
@@ -3373,8 +3373,8 @@
     <context>
         <name>imomushi::IssuesPanel</name>
         <message>
-            <source>Nothing asks for attention.</source>
-            <translation>気になる点はありません。</translation>
+            <source>No issues.</source>
+            <translation>問題はありません。</translation>
         </message>
         <message>
             <source>Issues</source>
@@ -3418,8 +3418,8 @@
             </translation>
         </message>
         <message>
-            <source>Precomputed. Drag a joint point with the drag tool (D).</source>
-            <translation>前計算が終わりました。ドラッグツール (D) で関節点を動かせます。</translation>
+            <source>Precomputed. Drag the end of a bone or a handle with the drag tool (D).</source>
+            <translation>前計算が終わりました。ドラッグツール (D) でボーンの端やハンドルを動かせます。</translation>
         </message>
         <message>
             <source>View of the character</source>
@@ -3439,7 +3439,7 @@
         </message>
         <message>
             <source>Joined %1 and %2</source>
-            <translation>%1 と %2 をつなぎました</translation>
+            <translation>%1 と %2 を結合しました</translation>
         </message>
         <message>
             <source>Place bones</source>
@@ -3463,7 +3463,7 @@
         </message>
         <message>
             <source>Cancelled; nothing has changed.</source>
-            <translation>取り消しました。何も変わっていません。</translation>
+            <translation>中止しました。何も変わっていません。</translation>
         </message>
         <message>
             <source>Make it soft</source>
@@ -3588,10 +3588,10 @@
         </message>
         <message>
             <source>There is no character: import one, or select one of several.</source>
-            <translation>キャラクターがありません。読み込むか、いくつかある場合はひとつを選んでください。</translation>
+            <translation>キャラクターがありません。読み込むか、いくつかある場合は 1 つを選んでください。</translation>
         </message>
         <message>
-            <source>Wait until what runs is done, or cancel it.</source>
+            <source>Wait until the running task is done, or cancel it.</source>
             <translation>実行中の処理が終わるまで待つか、取り消してください。</translation>
         </message>
         <message>
@@ -3615,16 +3615,16 @@
             <translation>すでに柔らかくなっています。切断かボーンかハンドルがあります。</translation>
         </message>
         <message>
-            <source>Its file has no skeleton. “Import skeleton” brings one.</source>
-            <translation>ファイルに骨格がありません。「骨格を読み込む」で加えられます。</translation>
+            <source>It has no skeleton. “Import skeleton” adds one.</source>
+            <translation>骨格がありません。「骨格を読み込む」で加えられます。</translation>
         </message>
         <message>
             <source>Select an element first.</source>
             <translation>先に要素を選んでください。</translation>
         </message>
         <message>
-            <source>Select the two joint faces that are to be joined: one, and with Shift the other.</source>
-            <translation>つなぐ関節面をふたつ選んでください。ひとつ目を選び、Shift を押しながらもうひとつを選びます。</translation>
+            <source>Select two joint faces: click one, then Shift+click the other.</source>
+            <translation>関節面を 2 つ選んでください。1 つ目をクリックし、もう 1 つを Shift+クリックします。</translation>
         </message>
         <message>
             <source>Select a bone, the end of one, or a handle first.</source>
@@ -3663,8 +3663,8 @@
             <translation>やり直す操作がありません。</translation>
         </message>
         <message>
-            <source>There is nothing that could be performed: open a sample, or make a character soft.</source>
-            <translation>演じられるものがありません。サンプルを開くか、キャラクターをやわらかくしてください。</translation>
+            <source>There is nothing to perform with yet: open a sample, or make a mesh soft.</source>
+            <translation>演じられるものがまだありません。サンプルを開くか、メッシュを柔らかくしてください。</translation>
         </message>
         <message>
             <source>The character has no clips that its bones could play.</source>
@@ -3679,8 +3679,8 @@
             <translation>テイクがまだありません。記録してください。</translation>
         </message>
         <message>
-            <source>The whole take is played: set a mark first.</source>
-            <translation>テイク全体が再生されます。先に印を付けてください。</translation>
+            <source>The whole take is selected already. Set a mark first.</source>
+            <translation>すでにテイク全体が選ばれています。先に目印を付けてください。</translation>
         </message>
         <message>
             <source>No take is shown.</source>
@@ -4040,8 +4040,8 @@
             <translation>シーン</translation>
         </message>
         <message>
-            <source>Draft: precompute for a better answer</source>
-            <translation>下書き：事前計算でより正確になります</translation>
+            <source>Draft: precompute for the accurate result</source>
+            <translation>下書き：前計算でより正確になります</translation>
         </message>
     </context>
     <context>
@@ -4070,12 +4070,12 @@
             <translation>残さない</translation>
         </message>
         <message>
-            <source>Memory for what was precomputed</source>
-            <translation>事前計算の結果に使うメモリ</translation>
+            <source>Memory for precomputed results</source>
+            <translation>前計算の結果に使うメモリ</translation>
         </message>
         <message>
-            <source>Disk for what was precomputed</source>
-            <translation>事前計算の結果に使うディスク</translation>
+            <source>Disk space for precomputed results</source>
+            <translation>前計算の結果に使うディスク</translation>
         </message>
         <message>
             <source>Up to %1 GB</source>
@@ -4194,17 +4194,17 @@
     <context>
         <name>imomushi::RecoveryDialog</name>
         <message>
-            <source>%1 · before it was saved last</source>
+            <source>%1 · older than the saved file</source>
             <comment>name, date and time</comment>
-            <translation>%1 · 最後の保存より前</translation>
+            <translation>%1 · 保存されたファイルより古い</translation>
         </message>
         <message>
             <source>Unsaved work</source>
             <translation>保存されていない作業</translation>
         </message>
         <message>
-            <source>Imomushi ended before this was saved. Take it up where it was?</source>
-            <translation>保存される前にイモムシが終了しました。続きから再開しますか？</translation>
+            <source>Imomushi ended before this was saved. Go on where you were?</source>
+            <translation>保存する前に Imomushi が終了しました。続きから再開しますか？</translation>
         </message>
         <message>
             <source>New project, never saved</source>
@@ -4267,7 +4267,7 @@
             <translation>修復を取りやめました</translation>
         </message>
         <message>
-            <source>Nothing of “%1” could be mended.</source>
+            <source>“%1” has nothing that can be repaired.</source>
             <translation>「%1」に修復できるものはありませんでした。</translation>
         </message>
         <message>
@@ -4312,7 +4312,7 @@
         </message>
         <message>
             <source>A file with a skeleton, made soft</source>
-            <translation>骨格のあるファイルをやわらかく</translation>
+            <translation>骨格のあるファイルを柔らかく</translation>
         </message>
         <message>
             <source>Caterpillar</source>
@@ -4332,7 +4332,7 @@
         </message>
         <message>
             <source>Soft characters that bend, stretch and squash as you drag them</source>
-            <translation>引っぱると曲がり、伸び、つぶれるやわらかいキャラクター</translation>
+            <translation>引っぱると曲がり、伸び、つぶれる柔らかいキャラクター</translation>
         </message>
         <message>
             <source>Open a project…</source>
@@ -4375,7 +4375,7 @@
             <translation>メッシュから</translation>
         </message>
         <message>
-            <source>Any mesh of a creature: cuts and bones follow its shape, and it can be dragged seconds later.</source>
+            <source>Any mesh of a creature. Cuts and bones follow its shape; seconds later you can drag it.</source>
             <translation>生き物のメッシュなら何でも。形に合わせて切断とボーンを作り、数秒後にはドラッグできます。</translation>
         </message>
         <message>
@@ -4426,8 +4426,8 @@
             <translation>ビューの毎秒フレーム数</translation>
         </message>
         <message>
-            <source>Time of the processor for one frame, drawing included.
-Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
+            <source>Processor time of one frame, with drawing.
+Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>1 フレームの処理時間（描画を含む）。
 内訳：ボーン %1 ms、関節 %2 ms、表面 %3 ms、法線 %4 ms</translation>
         </message>
@@ -4440,7 +4440,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>The 3D view needs OpenGL 3.3. Update the graphics driver, or start with LIBGL_ALWAYS_SOFTWARE=1.</source>
-            <translation>3D ビューには OpenGL 3.3 が必要です。グラフィックドライバーを更新するか、LIBGL_ALWAYS_SOFTWARE=1 を付けて起動してください。</translation>
+            <translation>3D ビューには OpenGL 3.3 が必要です。グラフィックスドライバーを更新するか、LIBGL_ALWAYS_SOFTWARE=1 を付けて起動してください。</translation>
         </message>
         <message>
             <source>Middle: orbit · Shift+middle: pan · Wheel: zoom</source>
@@ -4490,7 +4490,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>“%1”, one of %2 ends here · Tab or a second click: the next</source>
             <comment>the end of a bone</comment>
-            <translation>「%1」(ここにある %2 個の端のひとつ)· Tab またはもう一度クリック: 次へ</translation>
+            <translation>「%1」(ここにある %2 個の端のひとつ)· Tab またはもう一度クリック：次へ</translation>
         </message>
     </context>
     <context>
@@ -4504,11 +4504,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>速い</translation>
         </message>
         <message>
-            <source>truer</source>
+            <source>more accurate</source>
             <translation>正確</translation>
         </message>
         <message>
-            <source>Faster to truer, along the front</source>
+            <source>From faster to more accurate, along the best settings</source>
             <translation>最良の線に沿って、速いものから正確なものへ</translation>
         </message>
         <message>
@@ -4517,7 +4517,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone</source>
-            <translation>キャラクターの基底、計算用メッシュ、数値形式、滑らかな関節をまとめて設定します。一手で元に戻せます</translation>
+            <translation>キャラクターの基底、計算用メッシュ、数値形式、滑らかな関節をまとめて設定します。1 回で元に戻せます</translation>
         </message>
         <message>
             <source>Budget</source>
@@ -4525,11 +4525,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Budget per frame</source>
-            <translation>1フレームの予算</translation>
+            <translation>1 フレームの予算</translation>
         </message>
         <message>
-            <source>60 frames per second leave 16.7 ms for all that a program does in a frame</source>
-            <translation>毎秒60フレームでは、プログラム全体で1フレームに16.7 msを使えます</translation>
+            <source>At 60 frames per second a frame has 16.7 ms for everything</source>
+            <translation>毎秒 60 フレームでは、プログラム全体で 1 フレームに 16.7 ms を使えます</translation>
         </message>
         <message>
             <source>Choose</source>
@@ -4545,7 +4545,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>ms per frame</source>
-            <translation>1フレームのms</translation>
+            <translation>1 フレームの ms</translation>
         </message>
         <message>
             <source>error, %</source>
@@ -4553,11 +4553,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Error against precompute</source>
-            <translation>事前計算と誤差</translation>
+            <translation>前計算と誤差</translation>
         </message>
         <message>
             <source>s of precompute</source>
-            <translation>事前計算の秒数</translation>
+            <translation>前計算の秒数</translation>
         </message>
         <message>
             <source>Table</source>
@@ -4585,11 +4585,11 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>frame %1 (99 of 100 within %2), predicted %3</source>
-            <translation>フレーム %1（100回中99回は %2 以内）、予測 %3</translation>
+            <translation>フレーム %1（100 回中 99 回は %2 以内）、予測 %3</translation>
         </message>
         <message>
             <source>precompute %1, predicted %2</source>
-            <translation>事前計算 %1、予測 %2</translation>
+            <translation>前計算 %1、予測 %2</translation>
         </message>
         <message>
             <source>memory of a frame %1</source>
@@ -4636,7 +4636,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>まだ測定していません。裏で数分かかり、途中で止めて続けることもできます。</translation>
         </message>
         <message>
-            <source>Errors are against the full solution on the mesh &quot;%1&quot;. Its own error: %2 (largest %3), and %4 of its joint faces.</source>
+            <source>Errors are measured against the full solution on the mesh “%1”. Its own error is %2 (largest %3), and %4 at joint faces.</source>
             <translation>誤差はメッシュ「%1」での完全な解との差です。その解自身の誤差は %2（最大 %3）、関節面によるものは %4 です。</translation>
         </message>
         <message>
@@ -4644,24 +4644,24 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>不明</translation>
         </message>
         <message>
-            <source>Best within it: %1</source>
+            <source>Best within the budget: %1</source>
             <translation>予算内の最良：%1</translation>
         </message>
         <message>
-            <source>Nothing that was measured is within it.</source>
+            <source>No measured setting is within the budget.</source>
             <translation>測定した設定で予算に収まるものはありません。</translation>
         </message>
         <message>
             <source>%1 per frame (prediction off by × %2), %3 of precompute</source>
-            <translation>1フレーム %1（予測とのずれ × %2）、事前計算 %3</translation>
+            <translation>1 フレーム %1（予測とのずれ × %2）、前計算 %3</translation>
         </message>
         <message>
             <source>predicted: %1 per frame, %2 of precompute</source>
-            <translation>予測：1フレーム %1、事前計算 %2</translation>
+            <translation>予測：1 フレーム %1、前計算 %2</translation>
         </message>
         <message>
-            <source>Price of effects</source>
-            <translation>エフェクトの費用</translation>
+            <source>Cost of effects</source>
+            <translation>エフェクトの負荷</translation>
         </message>
         <message>
             <source>Body</source>
@@ -4704,7 +4704,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Precompute</source>
-            <translation>事前計算</translation>
+            <translation>前計算</translation>
         </message>
         <message>
             <source>Memory</source>
@@ -4714,8 +4714,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     <context>
         <name>imomushi::EffectCostTable</name>
         <message>
-            <source>Price of effects</source>
-            <translation>エフェクトの費用</translation>
+            <source>Cost of effects</source>
+            <translation>エフェクトの負荷</translation>
         </message>
         <message>
             <source>Effect</source>
@@ -4735,7 +4735,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Fingers need their own precompute: turn touch on, precompute, and measure again.</source>
-            <translation>指には専用の事前計算が必要です。タッチを有効にして事前計算し、もう一度測ってください。</translation>
+            <translation>指には専用の前計算が必要です。タッチを有効にして前計算し、もう一度測ってください。</translation>
         </message>
         <message>
             <source>unknown</source>
@@ -4746,14 +4746,14 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <name>imomushi::CostBar</name>
         <message>
             <source>What a frame costs (click for more)</source>
-            <translation>1フレームの内訳（クリックで詳細）</translation>
+            <translation>1 フレームの内訳（クリックで詳細）</translation>
         </message>
     </context>
     <context>
         <name>imomushi::CostList</name>
         <message>
             <source>Of it, by effect</source>
-            <translation>うち効果ごと</translation>
+            <translation>うちエフェクトごと</translation>
         </message>
         <message>
             <source>predicted %1, off by × %2</source>
@@ -4823,7 +4823,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>previous model</source>
-            <translation>以前のモデル</translation>
+            <translation>従来モデル</translation>
         </message>
         <message>
             <source>paper</source>
@@ -4899,8 +4899,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>リグ</translation>
         </message>
         <message>
-            <source>One skeleton with what drives it: can be puppeteered live</source>
-            <translation>骨格と駆動データ：その場で操れる</translation>
+            <source>A skeleton that drives morph targets: for live puppeteering</source>
+            <translation>モーフターゲットを駆動する骨格：その場で操れます</translation>
         </message>
         <message>
             <source>Skinned</source>
@@ -5072,15 +5072,15 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>まだ書き出していません</translation>
         </message>
         <message>
-            <source>Effects of this character: %1. What becomes of each is told here.</source>
-            <translation>このキャラクターの効果：%1。それぞれがどうなったかをここに示します。</translation>
+            <source>This character has effects: %1. The report says what the file keeps of each.</source>
+            <translation>このキャラクターのエフェクト：%1。それぞれがファイルにどう残るかを、ここに示します。</translation>
         </message>
         <message>
             <source>, </source>
             <translation>、</translation>
         </message>
         <message>
-            <source>What was written is read back and compared with the character.</source>
+            <source>The written file is read back and compared with the character.</source>
             <translation>書き出したファイルは読み戻し、キャラクターと比べます。</translation>
         </message>
         <message>
@@ -5111,7 +5111,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Written as the mesh of its file: %1</source>
-            <translation>元のファイルのメッシュとして書き出しました: %1</translation>
+            <translation>元のファイルのメッシュとして書き出しました：%1</translation>
         </message>
         <message>
             <source>Surface beside joints and attached parts: off by %1 at most</source>
@@ -5123,7 +5123,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>16 bits: off by %1 at most</source>
-            <translation>16 ビット: ずれは最大 %1</translation>
+            <translation>16 ビット：ずれは最大 %1</translation>
         </message>
         <message>
             <source>Compressed without loss: %1 before</source>
@@ -5218,8 +5218,8 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1 / %2 · フレーム %3 / %4</translation>
         </message>
         <message>
-            <source>Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.</source>
-            <translation>要素、面、基底、効果のいずれかが記録時と違います。テイクは効果を除いたポーズだけを示します。</translation>
+            <source>The character has changed since the recording. The take shows its poses, without effects.</source>
+            <translation>記録した後にキャラクターが変わりました。テイクは、エフェクトを除いたポーズだけを示します。</translation>
         </message>
         <message>
             <source>Takes</source>
@@ -5235,7 +5235,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1 秒後に開始 – 中止</translation>
         </message>
         <message>
-            <source>Drag to see any moment; arrow keys go frame by frame. The marks below say what part is played, and kept by trimming.</source>
+            <source>Drag to any moment; arrow keys go frame by frame. The marks below say which part is played, and which part trimming keeps.</source>
             <translation>ドラッグで好きな瞬間を表示。矢印キーで 1 フレームずつ進みます。下の目印は、再生し、切り詰めで残す範囲です。</translation>
         </message>
         <message>
@@ -5282,15 +5282,15 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>random 1</source>
-            <translation>でたらめ 1</translation>
+            <translation>ランダム 1</translation>
         </message>
         <message>
             <source>random 2</source>
-            <translation>でたらめ 2</translation>
+            <translation>ランダム 2</translation>
         </message>
         <message>
             <source>random 3</source>
-            <translation>でたらめ 3</translation>
+            <translation>ランダム 3</translation>
         </message>
         <message>
             <source>error %1 (largest %2 of the diagonal)</source>
@@ -5310,7 +5310,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>%1 · about %2 left</source>
-            <translation>%1 · 残り約%2</translation>
+            <translation>%1 · 残り約 %2</translation>
         </message>
         <message>
             <source>the character has moved or changed since</source>
@@ -5318,15 +5318,15 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>The full solution takes about %1 and %2, once, in the background; then every pose takes a moment.</source>
-            <translation>完全解には最初の一度だけ約%1と%2が必要です（作業は続けられます）。その後はどのポーズもすぐに測れます。</translation>
+            <translation>完全解には最初の一度だけ約 %1 と %2 が必要です（作業は続けられます）。その後はどのポーズもすぐに測れます。</translation>
         </message>
         <message>
             <source>full solution itself %1</source>
-            <translation>完全解自体の誤差%1</translation>
+            <translation>完全解自体の誤差 %1</translation>
         </message>
         <message>
             <source>The full solution took %1 and keeps %2; this pose took %3.</source>
-            <translation>完全解には%1かかり、%2を保持しています。このポーズには%3かかりました。</translation>
+            <translation>完全解には %1 かかり、%2 を保持しています。このポーズには %3 かかりました。</translation>
         </message>
         <message>
             <source>unknown</source>
@@ -5429,7 +5429,7 @@ Of it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>前側</translation>
         </message>
         <message>
-            <source>Take the cut out</source>
+            <source>Remove the cut</source>
             <translation>切断面を取り除く</translation>
         </message>
         <message>

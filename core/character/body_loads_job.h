@@ -31,12 +31,12 @@ struct GravityEffect : EffectOf<GravityEffect> {
             number<&GravityEffect::acceleration>("acceleration", "m/s^2", -1e6, 1e6, IMOMUSHI_TEXT("Effects", "Gravity"),
                                                  IMOMUSHI_TEXT("Effects", "Acceleration of free fall, in the world.")),
             number<&GravityEffect::sag>("sag", "", 1e-3, 1.0, IMOMUSHI_TEXT("Effects", "Sag"),
-                                        IMOMUSHI_TEXT("Effects", "How far flesh of stiffness 1 sags under the gravity of the Earth, over the height of the character.")),
+                                        IMOMUSHI_TEXT("Effects", "How far flesh of stiffness 1 sags under Earth’s gravity, as a share of the height of the character.")),
             number<&GravityEffect::shearModulus>(
                 "shear-modulus", "Pa", 0.0, 1e12, IMOMUSHI_TEXT("Effects", "Shear modulus"),
-                IMOMUSHI_TEXT("Effects", "Shear modulus of elements with stiffness 1, instead of the sag: softer flesh sags more. 0: as the sag says.")),
+                IMOMUSHI_TEXT("Effects", "Shear modulus of flesh of stiffness 1: less is softer, and sags more. It is used instead of “Sag”; 0: “Sag” is used.")),
             number<&GravityEffect::inertia>("inertia", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Inertia"),
-                                            IMOMUSHI_TEXT("Effects", "How much of its own acceleration the flesh feels. 0: none.")),
+                                            IMOMUSHI_TEXT("Effects", "How strongly the flesh lags behind when it is accelerated. 0: not at all.")),
         };
     }
     void ask(ElementTables& tables) const override;

@@ -35,7 +35,7 @@ struct BoneDynamicsEffect : EffectOf<BoneDynamicsEffect> {
                                                      IMOMUSHI_TEXT("Effects", "Damping ratio of the roll. 0: it never stops; 1: no swing.")),
             number<&BoneDynamicsEffect::returnHertz>(
                 "return-hertz", "Hz", 0.0, 1000.0, IMOMUSHI_TEXT("Effects", "Return"),
-                IMOMUSHI_TEXT("Effects", "How fast a body that nothing holds comes back. 0: it floats and falls, as it always does where gravity draws it to the ground.")),
+                IMOMUSHI_TEXT("Effects", "How fast a character that nothing holds returns to its place. 0: not at all. With gravity and ground it falls, whatever this says.")),
         };
     }
 };

@@ -117,7 +117,7 @@ private:
             scene_.surface.mesh.renderMesh.materials.push_back(to);
             uvUse_.push_back(use);
         }
-        if (toons > 0) tell(scene_, Severity::Info, "toon", "Of toon shading colours and pictures came; shade colours, rims and outlines are not shown and do not go out again.", toons, false);
+        if (toons > 0) tell(scene_, Severity::Info, "toon", "Of toon shading, colours and pictures were imported. Shade colours, rims and outlines are not shown, and not exported.", toons, false);
     }
 
     int texture(const Json& reference) {

@@ -459,9 +459,9 @@ void readVrm(GltfFileReader& file, const VrmNames& names, Rig& rig, RawScene& sc
         tell(scene, Severity::Info, "avatar-kept", "Springs, first person and look-at of the avatar are kept for export and move nothing here.", springs + avatar["firstPerson"].size() + avatar.contains("lookAt"), false);
     std::size_t constraints = 0;
     for (const Json& node : file.list("nodes")) constraints += member(member(node, "extensions"), "VRMC_node_constraint").is_null() ? 0 : 1;
-    if (constraints > 0) tell(scene, Severity::Info, "avatar-constraints", "Constraints between bones of the avatar have no effect here and do not go out again.", constraints, false);
-    if (reader.dropped_ > 0) tell(scene, Severity::Info, "avatar-dropped", "What the avatar says of pictures, materials and things that did not come with it was left out.", reader.dropped_, false);
-    if (reader.damaged_ > 0) tell(scene, Severity::Warning, "avatar-damaged", "What the avatar says wrongly or of things that do not exist was left out.", reader.damaged_, false);
+    if (constraints > 0) tell(scene, Severity::Info, "avatar-constraints", "Constraints between bones of the avatar have no effect here, and are not exported.", constraints, false);
+    if (reader.dropped_ > 0) tell(scene, Severity::Info, "avatar-dropped", "Settings of the avatar for pictures, materials and things that were not imported were left out.", reader.dropped_, false);
+    if (reader.damaged_ > 0) tell(scene, Severity::Warning, "avatar-damaged", "Settings of the avatar that are wrong, or about things that do not exist, were left out.", reader.damaged_, false);
 }
 
 }  // namespace imomushi

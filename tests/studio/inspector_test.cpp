@@ -89,7 +89,7 @@ TEST_CASE("inspector: the solver mesh is chosen by clicks, shows its cost and it
     precompute(w);
     CHECK(says(w, "State", QStringLiteral("Up to date")));
     CHECK(fact(w, "Estimated error").endsWith(QStringLiteral(" %")));
-    CHECK(says(w, "Solved with", QStringLiteral("%1 vertices").arg(w.now().elements.at(id)->mesh->body.vertices.rows())));
+    CHECK(says(w, "Solved on", QStringLiteral("%1 vertices").arg(w.now().elements.at(id)->mesh->body.vertices.rows())));
     CHECK(fact(w, "Will take").isEmpty());
     w.shoot("after");
 

@@ -111,7 +111,7 @@ QLayout* ExportDialog::makeLayouts() {
     layouts_ = new QButtonGroup(this);
     auto* row = fill(new QHBoxLayout, Spacing{px(8)});
     const QString texts[][2] = {{tr("Baked"), tr("Rigid motion and morphs: exact, plays anywhere")},
-                                {tr("Rigged"), tr("One skeleton with what drives it: can be puppeteered live")},
+                                {tr("Rigged"), tr("A skeleton that drives morph targets: for live puppeteering")},
                                 {tr("Skinned"), tr("Fitted weights, no morph targets: for any engine")},
                                 {tr("Cache"), tr("Every vertex in every frame: everything, but large")}};
     for (int i = 0; i < 4; ++i) {

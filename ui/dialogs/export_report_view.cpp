@@ -85,8 +85,8 @@ void ExportReportView::showBefore(const Effects& effects) {
     QStringList titles;
     for (std::size_t k = 0; k < kEffects; ++k)
         if (effects.has(EffectKind(k))) titles << effectTitle(EffectKind(k));
-    if (!titles.isEmpty()) add("spring", Role::Muted, tr("Effects of this character: %1. What becomes of each is told here.").arg(titles.join(tr(", "))));
-    add("check", Role::Muted, tr("What was written is read back and compared with the character."));
+    if (!titles.isEmpty()) add("spring", Role::Muted, tr("This character has effects: %1. The report says what the file keeps of each.").arg(titles.join(tr(", "))));
+    add("check", Role::Muted, tr("The written file is read back and compared with the character."));
 }
 
 void ExportReportView::showWriting(const QString& path) {

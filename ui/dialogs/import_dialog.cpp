@@ -70,8 +70,8 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     setObjectName(QStringLiteral("importDialog"));
     job_ = new ImportJob(this);
     character_ = new CharacterJob(this);
-    wholeCard_ = named(new ChoiceCard(tr("Whole character"), tr("Any mesh. It stays as it is; a body moves it."), this), "wholeCharacter");
-    elementsCard_ = named(new ChoiceCard(tr("Elements"), tr("Closed surfaces, each soft by itself."), this), "elements");
+    wholeCard_ = named(new ChoiceCard(tr("Whole character"), tr("Any mesh. It keeps its look; a closed body inside moves it."), this), "wholeCharacter");
+    elementsCard_ = named(new ChoiceCard(tr("Elements"), tr("Closed surfaces. Each one becomes a soft element."), this), "elements");
     auto* kinds = new QButtonGroup(this);
     for (ChoiceCard* card : {wholeCard_, elementsCard_}) {
         card->setCheckable(true);
@@ -85,10 +85,10 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     up_->addItems({tr("As in the file"), tr("Y is up"), tr("Z is up")});
     split_ = new QCheckBox(tr("One element per separate part"), this);
     soft_ = named(new QCheckBox(tr("Make it soft: cuts and bones as its shape suggests"), this), "makeSoft");
-    soft_->setToolTip(tr("From the skeleton of the file, if it has one, else from the shape. Everything can be changed afterwards, and taken back in one step."));
+    soft_->setToolTip(tr("Follows the skeleton of the file, if it has one, else the shape. You can change everything afterwards, or undo it in one step."));
     bodyLabel_ = new QLabel(tr("Body"), this);
     body_ = named(new QComboBox(this), "body");
-    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: mend issue by issue")});
+    body_->addItems({tr("Automatic"), tr("Exact: the mesh itself"), tr("Mended: holes closed, parts united"), tr("Wrapped: a new surface around it"), tr("Unmended: repair it issue by issue")});
     body_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);  // long names are cut, not the picture
     body_->setMinimumContentsLength(12);
     body_->setAccessibleName(bodyLabel_->text());
@@ -96,7 +96,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     detail_ = named(new QComboBox(this), "detail");
     detail_->addItems({tr("Automatic"), tr("Coarse"), tr("Medium"), tr("Fine"), tr("Very fine")});
     detail_->setAccessibleName(detailLabel_->text());
-    detail_->setToolTip(tr("Gaps narrower than twice this part of the diagonal are closed: 1/30, 1/60, 1/120, 1/250."));
+    detail_->setToolTip(tr("Closes gaps narrower than twice this share of the diagonal: 1/30, 1/60, 1/120, 1/250."));
     bonesLabel_ = new QLabel(tr("Skeleton"), this);
     bones_ = named(new QPushButton(this), "chooseBones");
     bones_->setAutoDefault(false);
@@ -451,7 +451,7 @@ void ImportDialog::askAboutSize(const std::optional<SizeDoubt>& doubt) {
     doubt_ = doubt;
     if (!doubt || doubt->unit.empty() || unit_->currentIndex() != 0 || QSettings().value(kSizes).toMap().contains(keyOfFile(path_))) return;
     const bool centimetres = doubt->unit == "cm";
-    sizeText_->setText((centimetres ? tr("It is %1 large, which is hardly meant. In centimetres it is %2.") : tr("It is %1 large, which is hardly meant. In millimetres it is %2."))
+    sizeText_->setText((centimetres ? tr("It is %1 large. Is that the right unit? In centimetres it is %2.") : tr("It is %1 large. Is that the right unit? In millimetres it is %2."))
                            .arg(lengthText(doubt->size), lengthText(doubt->meant)));
     takeUnit_->setText(centimetres ? tr("Use centimetres") : tr("Use millimetres"));
     sizeQuestion_->show();

@@ -67,7 +67,7 @@ void PreferencesDialog::changeEvent(QEvent* event) {
 
 QStringList PreferencesDialog::settings() {
     return {tr("Theme"), tr("Language"), tr("Size of the interface"), tr("Mouse in the view"), tr("Deform on"), tr("Picture"), tr("Steps that can be undone"), tr("Versions of a project"),
-            tr("Memory for what was precomputed"), tr("Disk for what was precomputed"), tr("Shortcuts")};
+            tr("Memory for precomputed results"), tr("Disk space for precomputed results"), tr("Shortcuts")};
 }
 
 void PreferencesDialog::choose(const QString& setting) {
@@ -155,8 +155,8 @@ void PreferencesDialog::rebuild() {
         });
     };
     space(tr("Versions of a project"), kVersionGigabytes, versionLimits().bytes, &PreferencesDialog::versionsChanged);
-    space(tr("Memory for what was precomputed"), kMemoryGigabytes, responseLimits().memory, &PreferencesDialog::responsesChanged);
-    space(tr("Disk for what was precomputed"), kDiskGigabytes, responseLimits().disk, &PreferencesDialog::responsesChanged);
+    space(tr("Memory for precomputed results"), kMemoryGigabytes, responseLimits().memory, &PreferencesDialog::responsesChanged);
+    space(tr("Disk space for precomputed results"), kDiskGigabytes, responseLimits().disk, &PreferencesDialog::responsesChanged);
     tabs_->addTab(look, tr("General"));
 
     auto* keys = new QWidget;

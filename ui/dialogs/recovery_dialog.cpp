@@ -17,7 +17,7 @@ namespace imomushi {
 
 RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* parent) : QDialog(parent) {
     setWindowTitle(tr("Unsaved work"));
-    auto* question = new QLabel(tr("Imomushi ended before this was saved. Take it up where it was?"), this);
+    auto* question = new QLabel(tr("Imomushi ended before this was saved. Go on where you were?"), this);
     question->setWordWrap(true);
 
     list_ = new QListWidget(this);
@@ -27,7 +27,7 @@ RecoveryDialog::RecoveryDialog(const QList<Autosave::Found>& found, QWidget* par
         const auto& one = found.at(i);
         const QString name = one.original.isEmpty() ? tr("New project, never saved") : QFileInfo(one.original).completeBaseName();
         const QString text = tr("%1 · %2", "name, date and time").arg(name, locale.toString(one.time, QLocale::ShortFormat));
-        auto* item = new QListWidgetItem(one.outdated ? tr("%1 · before it was saved last", "name, date and time").arg(text) : text, list_);
+        auto* item = new QListWidgetItem(one.outdated ? tr("%1 · older than the saved file", "name, date and time").arg(text) : text, list_);
         item->setData(kOutdated, one.outdated);
         item->setData(Qt::UserRole, i);
         item->setToolTip(one.original);

@@ -25,8 +25,8 @@ constexpr Warning kWarnings[] = {
     {FrameWarning::Diverged, true, QT_TRANSLATE_NOOP("Effects", "The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.")},
     {FrameWarning::LoadsBounded, false, QT_TRANSLATE_NOOP("Effects", "Gravity or pressure is too strong for flesh so soft: it acts less than asked for.")},
     {FrameWarning::ContactsBounded, false, QT_TRANSLATE_NOOP("Effects", "Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.")},
-    {FrameWarning::HeldByGround, false, QT_TRANSLATE_NOOP("Effects", "In the ground: the target is below it, and the body stays above.")},
-    {FrameWarning::TargetOutOfReach, false, QT_TRANSLATE_NOOP("Effects", "Out of reach: the bones stretch no farther.")},
+    {FrameWarning::HeldByGround, false, QT_TRANSLATE_NOOP("Effects", "The target is below the ground: the body stays above it.")},
+    {FrameWarning::TargetOutOfReach, false, QT_TRANSLATE_NOOP("Effects", "The target is out of reach: the bones stretch no farther.")},
 };
 
 QString translated(const char* text) { return QCoreApplication::translate("Effects", text); }

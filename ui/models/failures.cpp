@@ -12,14 +12,12 @@ QString textOf(const std::exception_ptr& failure) {
     try {
         std::rethrow_exception(failure);
     } catch (const std::bad_alloc&) {
-        return Failures::tr(
-            "There is not enough memory: what was to be done or drawn was left out, and your work is safe. Close other programs, or choose "
-            "a coarser solver mesh.");
+        return Failures::tr("There is not enough memory to do or draw this. Your work is safe. Close other programs, or choose a coarser solver mesh.");
     } catch (const std::exception& e) {
-        return Failures::tr("The program made an error and left out what it was doing: %1. Please report it.")
+        return Failures::tr("An error happened inside the program, and it gave up what it was doing: %1. Please report it.")
             .arg(QString::fromUtf8(e.what()));
     } catch (...) {
-        return Failures::tr("The program made an error and left out what it was doing: %1. Please report it.").arg(QStringLiteral("?"));
+        return Failures::tr("An error happened inside the program, and it gave up what it was doing: %1. Please report it.").arg(QStringLiteral("?"));
     }
 }
 

@@ -233,7 +233,7 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
                 switch (state) {
                     case Session::ResponseState::Fresh: return tr("Precomputed");
                     case Session::ResponseState::Stale:
-                        return document_.session().responses().isDraft(n.part) ? tr("Draft: precompute for a better answer") : tr("Out of date: precompute again");
+                        return document_.session().responses().isDraft(n.part) ? tr("Draft: precompute for the accurate result") : tr("Out of date: precompute again");
                     case Session::ResponseState::None: return tr("Not precomputed yet");
                 }
             }

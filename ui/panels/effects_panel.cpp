@@ -152,7 +152,7 @@ void EffectsPanel::rebuild() {
 
     auto* title = styled(new QLabel(tr("All effects"), body), "section");
     sum_ = named(new FigureLabel(body), "effectSum");
-    sum_->setToolTip(tr("Processor time of what is on, of a whole frame without drawing. Nothing is computed while everything rests."));
+    sum_->setToolTip(tr("Processor time of one frame with all effects that are on, without drawing. At rest nothing is computed."));
     all->addLayout(fill(new QHBoxLayout, title, Stretch{}, sum_));
     auto* rule = named(new QFrame(body), "rule");
     fill(all, Space{px(2)}, rule, Space{px(2)});
@@ -320,7 +320,7 @@ void EffectsPanel::buildSettings(EffectKind effect) {
 
 void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
     auto* box = named(new QCheckBox(tr("Only where a pose calls for it"), r.settings), "automatic");
-    box->setToolTip(tr("Comes by itself, element by element, before anything folds, and costs nothing meanwhile."));
+    box->setToolTip(tr("Turns on by itself, element by element, before anything folds. Until then it costs nothing."));
     grid.addWidget(box, grid.rowCount(), 0, 1, 2);
     connect(box, &QCheckBox::clicked, this, [this, effect](bool automatic) {
         // On the elements that it has: naming one of them keeps the others.
@@ -353,7 +353,7 @@ void EffectsPanel::buildOffer(EffectKind effect) {
     r.take = new QPushButton(tr("Turn on"), r.offer);
     r.take->setToolTip(automatic ? tr("Turns it on only where a pose calls for it.") : effectHelp(effect));
     r.compare = new QPushButton(tr("Hold to compare"), r.offer);
-    r.compare->setToolTip(tr("Shows the pose with it for as long as you press."));
+    r.compare->setToolTip(tr("Shows the pose with the effect while you press."));
     r.take->setObjectName(QStringLiteral("take"));
     r.compare->setObjectName(QStringLiteral("compare"));
     for (QPushButton* button : {r.take, r.compare}) line->addWidget(button);

@@ -67,7 +67,7 @@ void IssuesPanel::update() {
     const bool none = model_->rowCount() == 0;
     list_->setVisible(!none);
     empty_->setVisible(none);
-    empty_->setText(tr("Nothing asks for attention."));
+    empty_->setText(tr("No issues."));
     list_->setAccessibleName(tr("Issues"));
     all_->setText(tr("Repair all"));
     all_->setVisible(!model_->repairAll().empty());

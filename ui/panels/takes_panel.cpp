@@ -209,7 +209,7 @@ void TakesPanel::follow() {
     }
     const bool changed = deck_.shown() && !deck_.exact();
     note_->setText(changed ? tr("Recorded on another version: pose only") : QString());
-    note_->setToolTip(changed ? tr("Elements, faces, basis or effects are not those of the recording. The take shows its poses, without what effects added.") : QString());
+    note_->setToolTip(changed ? tr("The character has changed since the recording. The take shows its poses, without effects.") : QString());
     live_->setVisible(deck_.shown());
     following_ = false;
 }
@@ -253,7 +253,7 @@ bool TakesPanel::eventFilter(QObject* watched, QEvent* event) {
 void TakesPanel::retranslate() {
     list_->setAccessibleName(tr("Takes"));
     bar_->setAccessibleName(tr("Time"));
-    bar_->setToolTip(tr("Drag to see any moment; arrow keys go frame by frame. The marks below say what part is played, and kept by trimming."));
+    bar_->setToolTip(tr("Drag to any moment; arrow keys go frame by frame. The marks below say which part is played, and which part trimming keeps."));
     dressed_.reset();
     model_->refresh();
     follow();

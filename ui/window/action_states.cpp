@@ -45,7 +45,7 @@ void ActionStates::update() {
     const Session& session = document_.session();
     const auto& selection = document_.selection();
     const auto count = [&](auto... kinds) { return std::count_if(selection.begin(), selection.end(), [&](const SelectionItem& i) { return ((i.kind == kinds) || ...); }); };
-    const QString nothing = tr("Select something first."), noCharacter = tr("There is no character: import one, or select one of several."), working = tr("Wait until what runs is done, or cancel it.");
+    const QString nothing = tr("Select something first."), noCharacter = tr("There is no character: import one, or select one of several."), working = tr("Wait until the running task is done, or cancel it.");
     a.allow("delete", count(Kind::Element, Kind::Face, Kind::Bone, Kind::Character, Kind::Cut) > 0, nothing);
     a.allow("versions", !session.path().empty(), tr("Versions are kept once the project is saved."));
     a.allow("rename", selection.size() == 1 && selection.front().kind != Kind::Endpoint, tr("Select one thing that has a name."));
@@ -57,14 +57,14 @@ void ActionStates::update() {
     const bool idle = !steps_.running(), rigged = character && character->rig && !character->rig->bones.empty(), soften = character && idle && canBecomeSoft(d, *character);
     const QString notSoft = !idle ? working : !character ? noCharacter : tr("It is soft already: it has cuts, bones or handles.");
     const QString nothingSoft = tr("There is nothing to make soft: import a mesh, or select one of several characters and elements."), elementIsSoft = tr("It has joint faces, bones or handles: precompute makes it soft.");
-    const QString noBones = tr("Its file has no skeleton. “Import skeleton” brings one.");
+    const QString noBones = tr("It has no skeleton. “Import skeleton” adds one.");
     const bool becomesSoft = idle && (wish.element ? canBecomeSoft(d, *wish.element) : soften);
     for (const char* id : {"make-soft", "propose"}) a.allow(id, becomesSoft, !idle || wish.character ? notSoft : wish.element ? elementIsSoft : nothingSoft);
     a.allow("make-soft-bones", soften && rigged, soften ? noBones : notSoft);
     a.allow("import-skeleton", character && idle, character ? working : noCharacter);
     a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
     a.allow("hide", count(Kind::Element) > 0, tr("Select an element first."));
-    a.allow("join", count(Kind::Face) == 2, tr("Select the two joint faces that are to be joined: one, and with Shift the other."));
+    a.allow("join", count(Kind::Face) == 2, tr("Select two joint faces: click one, then Shift+click the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
     a.allow("pin", handles || count(Kind::Endpoint, Kind::Bone) > 0, tr("Select a bone, the end of one, or a handle first."));
     const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
@@ -100,7 +100,7 @@ void ActionStates::updateSteps() {
 void ActionStates::updateTakes() {
     ActionSet& a = actions_;
     const bool chosen = deck_.take() && !deck_.recording();
-    a.allow("record", deck_.canRecord(), tr("There is nothing that could be performed: open a sample, or make a character soft."));
+    a.allow("record", deck_.canRecord(), tr("There is nothing to perform with yet: open a sample, or make a mesh soft."));
     const CharacterSource* character = chosenCharacter(document_);
     // Bones move as a clip does, and morph targets without any.
     const auto plays = [&](const RigClip& clip) { return !clip.morphs.empty() || !document_.document().bones.empty(); };
@@ -108,7 +108,7 @@ void ActionStates::updateTakes() {
             tr("The character has no clips that its bones could play."));
     const QString noTake = deck_.recording() ? tr("A take is being recorded.") : tr("There is no take yet: record one.");
     for (const char* id : {"play", "take-back", "take-forward", "mark-in", "mark-out", "rename-take", "duplicate-take", "remove-take"}) a.allow(id, chosen, noTake);
-    for (const char* id : {"mark-none", "trim-take"}) a.allow(id, chosen && deck_.marked(), chosen ? tr("The whole take is played: set a mark first.") : noTake);
+    for (const char* id : {"mark-none", "trim-take"}) a.allow(id, chosen && deck_.marked(), chosen ? tr("The whole take is selected already. Set a mark first.") : noTake);
     a.allow("leave-take", deck_.shown(), tr("No take is shown."));
     a["count-in"]->setChecked(deck_.countsIn());
     a["loop"]->setChecked(deck_.looping());

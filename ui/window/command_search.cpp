@@ -117,7 +117,7 @@ void CommandSearch::fill(const QString& text) {
     list_->setCurrentRow(0);
     list_->setVisible(!found.empty());
     none_->setVisible(found.empty());
-    none_->setText(tr("Nothing is called “%1”. Commands, panels, effects, settings, samples, and the parts, takes and clips of this project are found by their names.").arg(typed));
+    none_->setText(tr("Nothing is called “%1”. You can search for commands, panels, effects, settings and samples, and for the parts, takes and clips of this project.").arg(typed));
 }
 
 void CommandSearch::run() {

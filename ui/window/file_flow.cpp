@@ -121,7 +121,7 @@ Result<Json> FileFlow::read(const Json& open) {
         return list.join(tr(", "));
     };
     if (answer->contains("dropped")) Q_EMIT warned(tr("A newer version of Imomushi wrote this project. Opened as a copy: saving it drops %1.").arg(names("dropped")));
-    else if (answer->contains("unknown")) Q_EMIT warned(tr("A newer version of Imomushi wrote this project. What this one does not know has no effect and stays: %1.").arg(names("unknown")));
+    else if (answer->contains("unknown")) Q_EMIT warned(tr("A newer version of Imomushi wrote this project. This version does not know the following; it keeps it, without effect: %1.").arg(names("unknown")));
     return answer;
 }
 
@@ -146,7 +146,7 @@ bool FileFlow::mayDiscard() {
     const QString path = pathOf(document_.session());
     box.setWindowTitle(tr("Unsaved changes"));
     box.setText(path.isEmpty() ? tr("Save the changes of this new project?") : tr("Save the changes of “%1”?").arg(QFileInfo(path).completeBaseName()));
-    box.setInformativeText(tr("They are lost otherwise."));
+    box.setInformativeText(tr("If you don’t save them, they are lost."));
     auto* keep = box.addButton(tr("Save"), QMessageBox::AcceptRole);
     auto* drop = box.addButton(tr("Don’t save"), QMessageBox::DestructiveRole);
     auto* cancel = box.addButton(tr("Cancel"), QMessageBox::RejectRole);
@@ -393,7 +393,7 @@ void FileFlow::importClips(const Json& command) {
         const QString more = lost.size() > kTold ? tr("%n more", nullptr, int(lost.size() - kTold)) : QString();
         lost = lost.mid(0, kTold);
         if (!more.isEmpty()) lost << more;
-        Q_EMIT warned(text + u' ' + tr("It has no counterpart of these bones: %1").arg(lost.join(QStringLiteral(", "))));
+        Q_EMIT warned(text + u' ' + tr("These bones of the clips have no counterpart in it: %1").arg(lost.join(QStringLiteral(", "))));
     };
     steps_.start(std::move(wish));
 }

@@ -248,7 +248,7 @@ void MainWindow::connectPrecompute() {
             return;
         }
         if (!completed) messages().say(kept > 0 ? tr("Precompute cancelled; %n element(s) were done and are kept.", nullptr, kept) : tr("Precompute cancelled"), MessageBar::Tone::Info);
-        else if (!precomputeFailed_) messages().say(tr("Precomputed. Drag a joint point with the drag tool (D)."), MessageBar::Tone::Good);
+        else if (!precomputeFailed_) messages().say(tr("Precomputed. Drag the end of a bone or a handle with the drag tool (D)."), MessageBar::Tone::Good);
         if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
     });
     connect(drafts_, &DraftJob::drafting, this, [this] {

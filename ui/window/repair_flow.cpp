@@ -47,7 +47,7 @@ void RepairFlow::finish() {
     waiting_.erase(waiting_.begin());
     const int before = int(answer->at("before").size()), after = int(answer->at("after").size());
     if (answer->at("done").empty()) {
-        Q_EMIT unchanged(tr("Nothing of “%1” could be mended.").arg(name));
+        Q_EMIT unchanged(tr("“%1” has nothing that can be repaired.").arg(name));
     } else {
         QString text = tr("“%1”: %2 before, %3 after.").arg(name, tr("%n issue(s)", nullptr, before), after > 0 ? tr("%n", "issues that are left", after) : tr("none"));
         const CharacterSource* character = document_.document().characterNamed(answer->at("character").get<std::string>());

@@ -278,7 +278,7 @@ void StartPage::rebuild() {
     if (!all.isEmpty())
         connect(way("wayFromSample", "play", tr("From a sample"), tr("%1 opens, ready to be dragged. The others are below.").arg(sampleTitle(all.first().name))), &QAbstractButton::clicked, this,
                 [this, path = all.first().path] { Q_EMIT fileWanted(path); });
-    connect(way("wayFromMesh", "soft", tr("From a mesh"), tr("Any mesh of a creature: cuts and bones follow its shape, and it can be dragged seconds later.")), &QAbstractButton::clicked, this,
+    connect(way("wayFromMesh", "soft", tr("From a mesh"), tr("Any mesh of a creature. Cuts and bones follow its shape; seconds later you can drag it.")), &QAbstractButton::clicked, this,
             &StartPage::meshWanted);
     connect(way("wayFromRiggedFile", "bones", tr("From a rigged file"), tr("glTF, VRM, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.")), &QAbstractButton::clicked, this,
             &StartPage::riggedFileWanted);

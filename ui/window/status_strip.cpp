@@ -69,7 +69,7 @@ void StatusStrip::setFrame(double cpuMs, double fps) {
         const auto& s = character->stats();
         const QLocale locale;
         const auto ms = [&](double value) { return locale.toString(value, 'f', 3); };
-        ms_->setToolTip(tr("Time of the processor for one frame, drawing included.\nOf it: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
+        ms_->setToolTip(tr("Processor time of one frame, with drawing.\nOf that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
                             .arg(ms(s.poseMs), ms(s.jointsMs), ms(s.productMs), ms(s.normalsMs)));
     }
 }

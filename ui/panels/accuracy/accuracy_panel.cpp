@@ -161,18 +161,18 @@ void AccuracyPanel::showEvent(QShowEvent* event) {
 void AccuracyPanel::retranslate() {
     title_->setText(tr("What accuracy costs"));
     faster_->setText(tr("faster"));
-    truer_->setText(tr("truer"));
-    slider_->setAccessibleName(tr("Faster to truer, along the front"));
+    truer_->setText(tr("more accurate"));
+    slider_->setAccessibleName(tr("From faster to more accurate, along the best settings"));
     apply_->setText(tr("Use this setting"));
     apply_->setToolTip(tr("Sets basis, solver meshes, number format and smooth joints of the character, as one step that can be undone"));
     budgetLabel_->setText(tr("Budget"));
     budget_->setAccessibleName(tr("Budget per frame"));
-    budget_->setToolTip(tr("60 frames per second leave 16.7 ms for all that a program does in a frame"));
+    budget_->setToolTip(tr("At 60 frames per second a frame has 16.7 ms for everything"));
     budgetUse_->setText(tr("Choose"));
     progress_->setAccessibleName(tr("Progress of the measurements"));
     frame_->setTitles(tr("Error against time per frame"), tr("ms per frame"), tr("error, %"));
     precompute_->setTitles(tr("Error against precompute"), tr("s of precompute"), tr("error, %"));
-    const std::pair<QString, QString> tabs[] = {{tr("Table"), tr("Measured settings")}, {tr("Body"), tr("Error on the body")}, {tr("Effects"), tr("Price of effects")},
+    const std::pair<QString, QString> tabs[] = {{tr("Table"), tr("Measured settings")}, {tr("Body"), tr("Error on the body")}, {tr("Effects"), tr("Cost of effects")},
                                                 {tr("Frame"), tr("Cost of a frame")}};
     for (int i = 0; i < 4; ++i) {
         tabs_->setTabText(i, tabs[i].first);
@@ -272,7 +272,7 @@ void AccuracyPanel::showState() {
                                       : tr("%1 of %2 settings measured on this machine").arg(measured).arg(study_.points.size()));
     }
     if (const auto& r = study_.reference) {
-        reference_->setText(tr("Errors are against the full solution on the mesh \"%1\". Its own error: %2 (largest %3), and %4 of its joint faces.")
+        reference_->setText(tr("Errors are measured against the full solution on the mesh “%1”. Its own error is %2 (largest %3), and %4 at joint faces.")
                                 .arg(QString::fromStdString(r->mesh), r->relative < 0.0 ? tr("unknown") : shareText(r->relative), r->percent < 0.0 ? tr("unknown") : diagonalText(r->percent),
                                      r->faceRelative < 0.0 ? tr("unknown") : shareText(r->faceRelative)));
         reference_->setToolTip(QString::fromStdString(r->how));
@@ -283,7 +283,7 @@ void AccuracyPanel::showState() {
     frame_->setBudget(budget);
     const int best = study_.best(budget);
     budgetUse_->setEnabled(best >= 0);
-    budgetText_->setText(best >= 0 ? tr("Best within it: %1").arg(settingText(study_.points[std::size_t(best)].setting)) : measured > 0 ? tr("Nothing that was measured is within it.") : QString());
+    budgetText_->setText(best >= 0 ? tr("Best within the budget: %1").arg(settingText(study_.points[std::size_t(best)].setting)) : measured > 0 ? tr("No measured setting is within the budget.") : QString());
 }
 
 void AccuracyPanel::choose(int point) {

@@ -97,7 +97,7 @@ EffectCostTable::EffectCostTable(QWidget* parent) : QTableWidget(parent) {
 }
 
 void EffectCostTable::retranslate() {
-    setAccessibleName(tr("Price of effects"));
+    setAccessibleName(tr("Cost of effects"));
     setHorizontalHeaderLabels({tr("Effect"), tr("Predicted"), tr("Measured"), tr("Off by")});
 }
 

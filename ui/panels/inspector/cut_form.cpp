@@ -20,7 +20,7 @@ CutForm::CutForm(StudioDocument& document, const SelectionItem& item, QWidget* p
     addFact(tr("Behind it"), [this, item] { return beside(item, false); });
     addFact(tr("In front"), [this, item] { return beside(item, true); });
     addPlane(item);
-    auto* remove = new QPushButton(themedIcon(QStringLiteral("trash")), tr("Take the cut out"), this);
+    auto* remove = new QPushButton(themedIcon(QStringLiteral("trash")), tr("Remove the cut"), this);
     sections_->addWidget(remove);
     connect(remove, &QPushButton::clicked, this, [this, item] { document_.execute(commands::removeCut(path(item))); });
 }

@@ -75,7 +75,7 @@ void ElementForm::addPreset(const Items& items) {
         executeTogether(document_, wanted);
     });
     box->setObjectName(QStringLiteral("materialPreset"));
-    box->setToolTip(tr("Sets the four numbers below. How far a character of it sags under gravity with its default numbers, whatever its size, over its height."));
+    box->setToolTip(tr("Sets the four numbers below. The sag is that of a whole character of this material under default gravity, as a share of its height; the size does not matter."));
     follow([box, common] { box->setPlaceholderText(common() == std::string() ? tr("Custom") : QString()); });
 }
 

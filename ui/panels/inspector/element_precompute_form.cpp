@@ -144,13 +144,13 @@ void ElementForm::addResponse(const SelectionItem& item) {
     }
     if (const double ofBody = bodyError(document_.document(), *document_.document().elements.at(item.part)); ofBody != 0.0) {
         fact(tr("Error of the wrap"), [ofBody](const ElementResponse&) { return ofBody < 0.0 ? tr("not known") : percentText(ofBody); });
-        fact(tr("Errors together"), [ofBody](const ElementResponse& r) {
+        fact(tr("Total error"), [ofBody](const ElementResponse& r) {
             return r.quality.error < 0.0 || ofBody < 0.0 ? tr("not known") : percentText(r.quality.error + r.quality.mappingError + ofBody);
         });
     }
     fact(tr("Time taken"), [](const ElementResponse& r) { return r.quality.seconds > 0.0 ? durationText(r.quality.seconds) : tr("not known"); });  // files do not tell
     addShared(item);
-    fact(tr("Solved with"), [](const ElementResponse& r) {
+    fact(tr("Solved on"), [](const ElementResponse& r) {
         const QLocale locale;
         const QString vertices = tr("%1 vertices").arg(locale.toString(r.quality.solverVertices));
         return r.quality.solverNodes == r.quality.solverVertices ? vertices : tr("%1, %2 nodes").arg(vertices, locale.toString(r.quality.solverNodes));
