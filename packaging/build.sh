@@ -45,4 +45,8 @@ fit=$(awk '/^MemAvailable:/ {print int($2 / 2500000)}' /proc/meminfo)
 
 targets=()
 if [ "$what" != all ]; then targets=(imomushi); fi
-ninja -C "$build" --quiet -j "$jobs" "${targets[@]}"
+# Somebody who looks on sees how far it is; a log hears of faults alone.
+quiet=(--quiet)
+if [ -t 2 ]; then quiet=(); fi
+[ -e "$build/app/imomushi" ] || echo "Compiling everything for the first time, $jobs files at once: this takes a while."
+ninja -C "$build" "${quiet[@]}" -j "$jobs" "${targets[@]}"

@@ -2823,7 +2823,7 @@
         </message>
         <message>
             <source>Float (4 bytes)</source>
-            <translation>浮動小数点数（4 バイト）</translation>
+            <translation>単精度（4 バイト）</translation>
         </message>
         <message>
             <source>Half (2 bytes)</source>
@@ -3551,6 +3551,10 @@
         <message>
             <source>Take</source>
             <translation>テイク</translation>
+        </message>
+        <message>
+            <source>Choose a sample, or drop a file on the window · Help &gt; Mouse and keys lists all keys</source>
+            <translation>サンプルを選ぶか、ウィンドウにファイルをドロップしてください · すべてのキーは「ヘルプ」&gt;「マウスとキー」にあります</translation>
         </message>
     </context>
     <context>

@@ -43,6 +43,30 @@ struct Live {
     ~Live() { renderer.reset(); }
 };
 
+/// The same with a picture of 128 x 128 pixels to draw into.
+struct LiveTarget : Live {
+    GLuint texture = 0, target = 0;
+    LiveTarget() {
+        glGenTextures(1, &texture);
+        glBindTexture(GL_TEXTURE_2D, texture);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 128, 128, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+        glGenFramebuffers(1, &target);
+        glBindFramebuffer(GL_FRAMEBUFFER, target);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+    }
+    ~LiveTarget() {
+        glDeleteFramebuffers(1, &target);
+        glDeleteTextures(1, &texture);
+    }
+    Picture draw(const Scene& scene) {
+        renderer->draw(scene, target, 128, 128);
+        Picture p{128, 128, std::vector<std::uint8_t>(128 * 128 * 4)};
+        glReadPixels(0, 0, 128, 128, GL_RGBA, GL_UNSIGNED_BYTE, p.rgba.data());
+        CHECK(glGetError() == GL_NO_ERROR);
+        return p;
+    }
+};
+
 }  // namespace
 
 TEST_CASE("an empty scene is a background that is neither black nor of one colour, and light in the light theme") {
@@ -305,23 +329,21 @@ TEST_CASE("markers win over bodies within a few pixels, points over bones, and h
     CHECK(at(0.0, 0.6, -0.85).id == 102);
 }
 
+TEST_CASE("edges are smooth whatever another painter left of the driver's state") {
+    SphereScene s;
+    LiveTarget live;
+    const Picture first = live.draw(s.scene);
+    // As Qt's painter leaves it where it draws without smooth edges.
+    glDisable(GL_MULTISAMPLE);
+    glEnable(GL_STENCIL_TEST);
+    glEnable(GL_SCISSOR_TEST);
+    CHECK(live.draw(s.scene).rgba == first.rgba);
+}
+
 TEST_CASE("a new revision is drawn, an unchanged one is not read again") {
     SphereScene s;
-    Live live;
-    GLuint texture = 0, target = 0;
-    glGenTextures(1, &texture);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 128, 128, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    glGenFramebuffers(1, &target);
-    glBindFramebuffer(GL_FRAMEBUFFER, target);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-    const auto draw = [&] {
-        live.renderer->draw(s.scene, target, 128, 128);
-        Picture p{128, 128, std::vector<std::uint8_t>(128 * 128 * 4)};
-        glReadPixels(0, 0, 128, 128, GL_RGBA, GL_UNSIGNED_BYTE, p.rgba.data());
-        CHECK(glGetError() == GL_NO_ERROR);
-        return p;
-    };
+    LiveTarget live;
+    const auto draw = [&] { return live.draw(s.scene); };
     const Picture first = draw();
     for (std::size_t i = 0; i < s.sphere.positions.size(); i += 3) s.sphere.positions[i] *= 0.5f;
     CHECK(draw().rgba == first.rgba);
@@ -332,8 +354,6 @@ TEST_CASE("a new revision is drawn, an unchanged one is not read again") {
     for (std::size_t i = 0; i < s.sphere.positions.size(); i += 3) s.sphere.positions[i] *= 2.0f;
     ++s.scene.bodies[0].revision;
     CHECK(draw().rgba == first.rgba);
-    glDeleteFramebuffers(1, &target);
-    glDeleteTextures(1, &texture);
 }
 
 TEST_CASE("sizes from one pixel to beyond a screen are drawn, larger ones than promised are refused") {

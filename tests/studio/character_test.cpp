@@ -11,12 +11,15 @@
 #include "core/proposal/proposal.h"
 #include "tests/support/capsules.h"
 #include "tests/support/shapes.h"
+#include "ui/jobs/precompute_job.h"
 #include "ui/models/issue_model.h"
+#include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/models/texts.h"
 #include "ui/scene/cut_frame.h"
 #include "ui/window/next_steps.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -425,6 +428,37 @@ TEST_CASE("studio: an element that came in by itself is made soft later, as one 
     w.settle();
     CHECK(!soft->isEnabled());
     CHECK(whyDisabled(*soft) == QStringLiteral("It has joint faces, bones or handles: precompute makes it soft."));
+}
+
+TEST_CASE("studio: undo of a character that was made soft, in the middle of its precompute, leaves nothing of it behind") {
+    Window w;
+    const QString path = writeMesh(w.folder.filePath(QStringLiteral("star.obj")), capsules::starfish());
+    w.run({{"do", "import-character"}, {"path", path.toStdString()}, {"name", "star"}});
+    w.window().showStart(false);
+    w.view().frameAll(false);
+    const auto said = [&](const QString& text) {
+        for (const auto* label : w.window().status().findChildren<QLabel*>())
+            if (label->text() == text) return true;
+        return false;
+    };
+    const QString vertices = QLocale().toString(qlonglong(w.now().characters.begin()->second->model->mesh.body.vertices.rows())) + QStringLiteral(" vertices");
+    w.settle();
+    CHECK(said(vertices));
+    w.trigger("make-soft");
+    waitFor([&] { return !w.window().steps().running(); });
+    w.settle();
+    w.trigger("precompute");
+    REQUIRE(w.window().precomputeJob().running());
+    CHECK(said(vertices));
+    w.trigger("undo");
+    CHECK(w.now().elements.size() == 1);
+    waitFor([&] { return !w.window().precomputeJob().running(); });
+    w.settle();
+    CHECK(said(vertices));
+    CHECK(!w.window().actions()["precompute"]->isEnabled());
+    CHECK(w.window().actions()["make-soft"]->isEnabled());
+    for (const SelectionItem& item : w.document().selection()) CHECK(!pathOf(w.now(), item).empty());
+    w.shoot("undone-in-mid-precompute");
 }
 
 TEST_CASE("studio: a size that cannot be meant is asked about once for each file") {

@@ -44,6 +44,15 @@ PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : Backgr
     connect(this, &BackgroundJob::finished, this, [this](bool completed) {
         if (!completed) keep(*work_);
     });
+    // What was precomputed is gone, as after undo: so is the work for it.
+    connect(&document_, &StudioDocument::structureChanged, this, [this] {
+        const auto& elements = document_.document().elements;
+        const auto wanted = [&](const Item& item) {
+            const auto found = elements.find(item.element);
+            return found != elements.end() && !found->second->faces.empty();
+        };
+        if (running() && std::none_of(work_->items.begin(), work_->items.end(), wanted)) cancel();
+    });
 }
 
 bool PrecomputeJob::start() {

@@ -357,10 +357,10 @@ void MainWindow::connectPanels() {
 }
 
 void MainWindow::connectView() {
-    connect(viewport_, &ViewportWidget::hintChanged, status_, &StatusStrip::setHint);
+    connect(viewport_, &ViewportWidget::hintChanged, this, &MainWindow::sayHint);
     connect(viewport_, &ViewportWidget::frameMeasured, status_, &StatusStrip::setFrame);
     connect(viewport_, &ViewportWidget::frameMeasured, costs_, &FrameCostMeter::take);
-    status_->setHint(viewport_->hint());
+    sayHint();
     const QSettings settings;
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
     document_.session().setHistoryDepth(PreferencesDialog::historyDepth());
@@ -405,6 +405,7 @@ void MainWindow::retranslate() {
     status_->setAccessibleName(tr("Status"));
     states_->update();
     next_->retranslate();
+    sayHint();
     overlays_->place();
     QTimer::singleShot(0, this, &MainWindow::keepOnScreen);
 }
@@ -445,7 +446,10 @@ void MainWindow::showStart(bool show) {
     if (show) settle();
     stack_->setCurrentWidget(show ? static_cast<QWidget*>(start_) : viewport_->parentWidget());
     if (!show) viewport_->setFocus();
+    sayHint();
 }
+
+void MainWindow::sayHint() { status_->setHint(startShown() ? tr("Choose a sample, or drop a file on the window · Help > Mouse and keys lists all keys") : viewport_->hint()); }
 
 void MainWindow::keepPicture() {
     QTimer::singleShot(kPictureMs, this, [this] {

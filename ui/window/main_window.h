@@ -122,6 +122,7 @@ private:
     void onToggle(const char* action, std::function<void(bool)> run);
     /// Ends what is unfinished in the view first.
     void onSettled(const char* action, std::function<void()> run);
+    void sayHint();
     void settle();
     void setTool(ToolKind tool);
     void setPassingHandles(bool on);
