@@ -32,7 +32,6 @@ void main() {
     vec4 ground = floorColor(p, perPixel, abs(ray.y) * inversesqrt(dot(ray, ray))) * (seen ? 1.0 : 0.0);
     // Seen from above the ground never hides a body that was dragged below it; seen from below its lines lie over everything.
     bool above = flatView ? frame.forward.y < 0.0 : frame.eye.y > frame.ground.x;
-    c = above ? over(c, ground) : over(ground, c);
     bool dark = frame.ground.w > 0.5;
     vec2 q = (uv - vec2(0.5, 0.58)) * vec2(frame.viewport.x * frame.viewport.w, 1.0);
     float glow = 1.0 / (1.0 + 1.6 * dot(q, q));
@@ -40,7 +39,12 @@ void main() {
     float t = uv.y * uv.y * (3.0 - 2.0 * uv.y);
     vec3 back = dark ? mix(vec3(0.0105, 0.0118, 0.0150), vec3(0.0215, 0.0242, 0.0305), t) + vec3(0.0165, 0.0190, 0.0245) * glow
                      : mix(vec3(0.600, 0.635, 0.690), vec3(0.760, 0.785, 0.825), t) + vec3(0.10) * glow;
-    vec3 color = encodeSrgb(transparent ? c.rgb / max(c.a, 1e-4) : c.rgb + back * (1.0 - c.a));
+    // Where a pixel is covered in part, display values are mixed, not light: of a few samples a pixel light makes edges that look like stairs, bright over dark ones most.
+    vec3 behind = above ? ground.rgb + back * (1.0 - ground.a) : back;
+    vec3 color = encodeSrgb(behind), body = c.a > 0.0 ? encodeSrgb(c.rgb / max(c.a, 1e-4)) : vec3(0.0);
+    color = mix(color, body, c.a);
+    if (!above) color = encodeSrgb(ground.rgb / max(ground.a, 1e-4)) * ground.a + color * (1.0 - ground.a);
+    c = above ? over(c, ground) : over(ground, c);
     float noise = (pixelNoise(floor(gl_FragCoord.xy)) - 0.5) / 255.0;
-    outColor = transparent ? vec4(color * c.a, c.a) : vec4(color + noise, 1.0);
+    outColor = transparent ? vec4(encodeSrgb(c.rgb / max(c.a, 1e-4)) * c.a, c.a) : vec4(color + noise, 1.0);
 }

@@ -11,7 +11,10 @@ out vec4 outColor;
 const int kRing = 12;
 void main() {
     vec2 at = gl_FragCoord.xy * frame.viewport.zw, wide = 2.0 * frame.forward.w * frame.viewport.zw;
-    vec2 here = texture(mask, at).rg, around = here;
+    // Over two pixels: without a graphics card the mask of what moves has no smooth edge of its own.
+    vec2 corner = 0.5 * frame.viewport.zw;
+    vec2 here = 0.25 * (texture(mask, at + corner).rg + texture(mask, at - corner).rg + texture(mask, at + vec2(corner.x, -corner.y)).rg + texture(mask, at + vec2(-corner.x, corner.y)).rg);
+    vec2 around = here;
     for (int i = 0; i < kRing; ++i) {
         float angle = 6.2831853 * (float(i) + 0.5) / float(kRing);
         around = max(around, texture(mask, at + vec2(cos(angle), sin(angle)) * wide).rg);

@@ -137,6 +137,28 @@ TEST_CASE("a transparent picture has no background, and opaque straight colours 
     CHECK(partly > 100);
 }
 
+TEST_CASE("a pixel that a body covers in part shows the mean of the display values, by how much is covered: edges without stairs") {
+    SphereScene s;
+    s.scene.grid = false;
+    s.scene.groundShadow = false;
+    const Picture whole = drawn(s.scene, 200, 200);
+    s.scene.transparentBackground = true;
+    const Picture alone = drawn(s.scene, 200, 200);
+    s.scene.transparentBackground = false;
+    s.scene.bodies.clear();
+    const Picture background = drawn(s.scene, 200, 200);
+    int partly = 0;
+    for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x) {
+            const double covered = alone.at(x, y)[3] / 255.0;
+            if (covered < 0.1 || covered > 0.9) continue;
+            ++partly;
+            // Noise of half a step, and rounding of four values.
+            for (int c = 0; c < 3; ++c) CHECK(std::abs(whole.at(x, y)[c] - (covered * alone.at(x, y)[c] + (1.0 - covered) * background.at(x, y)[c])) <= 3.0);
+        }
+    CHECK(partly > 100);
+}
+
 TEST_CASE("selecting a body draws a line around it and nothing inside or far away") {
     SphereScene s;
     const Picture plain = drawn(s.scene, 240, 240);
