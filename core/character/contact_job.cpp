@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/character/frame.h"
+#include "core/character/meeting_job.h"
 
 namespace imomushi {
 
@@ -23,6 +24,7 @@ void ContactEffect::ask(ElementTables& tables) const { tables.touch = tables.con
 Result<void> ContactEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     const bool any = std::any_of(frame.elements.begin(), frame.elements.end(), [](const ElementFrame& e) { return e.runtime->contact != nullptr; });
     if (any) jobs.add<ContactJob>(frame, *this);
+    if (automatic && met) jobs.add<MeetingJob>(frame, any, met);
     return {};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct ContactEffect : EffectOf<ContactEffect> {
     /// The plane of the effect on bones that holds them, which holds flesh, too, and its friction. None: there is no such plane.
     std::optional<Plane> ground;
     double groundFriction = 0.6;
+    /// Automatic: each update leaves here the elements that came near others and cannot press yet, ascending (MeetingJob). Null: nobody asks.
+    std::shared_ptr<std::vector<std::size_t>> met;
 
     static constexpr auto properties() {
         return std::array{

@@ -4,6 +4,7 @@
 
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
+#include "core/document/effect_meetings.h"
 #include "core/document/names.h"
 #include "core/document/performance.h"
 #include "core/elasticity/machine_rates.h"
@@ -36,8 +37,8 @@ Result<Wanted> wantedOf(const Document& document, const Json& arguments) {
     return Wanted{kind, element->id};
 }
 
-Json names(const Document& document, const Effect& effect) {
-    if (effect.elements.empty()) return "character";
+Json names(const Document& document, const Effect& effect, bool canWait) {
+    if (effect.elements.empty() && !(effect.automatic && canWait)) return "character";
     Json list = Json::array();
     for (const auto& [id, element] : document.elements)
         if (effect.elements.contains(id)) list.push_back(element->name);
@@ -52,6 +53,8 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
     const bool automatic = given ? given->get<bool>() : document.effects[kind].automatic;
     if (automatic && !effectDescriptor(kind).canBeAutomatic)
         return fail("not-automatic", "\"" + std::string(effectName(kind)) + "\" cannot wait for poses that call for it: leave \"auto\" out.");
+    if (automatic && target != 0 && canWait(kind))
+        return fail("bad-target", "\"" + std::string(effectName(kind)) + "\" with \"auto\" finds its elements by itself: leave \"target\" out.");
     Effect& effect = document.effects[kind];
     effect.automatic = automatic;
     if (target == 0)
@@ -62,7 +65,7 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
         effect.elements.insert(target);
     effect.enabled = true;
     Json answer;
-    answer["on"] = names(document, effect);
+    answer["on"] = names(document, effect, canWait(kind));
     if (automatic) answer["auto"] = true;
     const EffectCost cost = edit.responses().costOf(kind);
     answer["columns"] = cost.columns;
@@ -80,6 +83,8 @@ Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&)
     Effect& effect = document.effects[kind];
     if (!document.effects.has(kind) || (target != 0 && !document.effects.has(kind, target)))
         return fail("not-enabled", "\"" + std::string(effectName(kind)) + "\" is not enabled" + (target ? " there." : "."));
+    if (target != 0 && waitsToMeet(document.effects, kind))
+        return fail("bad-target", "\"" + std::string(effectName(kind)) + "\" with \"auto\" finds its elements by itself: leave \"target\" out.");
     if (target != 0) {
         if (effect.elements.empty())
             for (const auto& [id, element] : document.elements) effect.elements.insert(id);
@@ -91,7 +96,7 @@ Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&)
     }
     if (kind == EffectKind::Touch)
         std::erase_if(document.touches, [&](const Touch& touch) { return !document.effects.has(EffectKind::Touch, touch.element); });
-    return Json{{"on", effect.enabled ? names(document, effect) : Json::array()}};
+    return Json{{"on", effect.enabled ? names(document, effect, canWait(kind)) : Json::array()}};
 }
 
 }  // namespace
@@ -176,7 +181,7 @@ Json effectsJson(const Document& document, bool all) {
         Json one;
         one["enabled"] = effect.enabled;
         if (effect.automatic) one["auto"] = true;
-        if (effect.enabled) one["on"] = names(document, effect);
+        if (effect.enabled) one["on"] = names(document, effect, canWait(kind));
         for (const EffectProperty& p : effectProperties(kind))
             one[std::string(p.name)] = p.size == 3 ? json(document.effects.vector(kind, p.name)) : Json(document.effects.number(kind, p.name));
         details[std::string(effectName(kind))] = std::move(one);
@@ -213,7 +218,7 @@ void addEffectCommands(CommandRegistry& registry) {
     const CommandKey effect{"effect", Type::Text, true, "One of " + list + "."};
     registry.addChange("enable", "Turns an effect on and says what it will cost; what is off costs nothing. Some effects need a precompute then.",
                        {effect, {"target", Type::Text, false, "On this element alone (" + ofElements + "); all unless given."},
-                        {"auto", Type::Boolean, false, "Only where and while a pose calls for it, element by element, fading in and out (" + automatic + "). Unless given: as it is, at first always."}}, enable);
+                        {"auto", Type::Boolean, false, "Only where and while a pose calls for it, element by element, fading in and out; contact: on elements that come near others while step runs, which are precomputed for it then, and not with the ground (" + automatic + "). Unless given: as it is, at first always."}}, enable);
     registry.addChange("disable", "Turns an effect off; its settings stay.",
                        {effect, {"target", Type::Text, false, "On this element alone; all unless given."}}, disable);
 }

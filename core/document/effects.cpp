@@ -16,6 +16,7 @@
 #include "core/character/touch_job.h"
 #include "core/document/bone_effects.h"
 #include "core/document/character_input.h"
+#include "core/document/effect_meetings.h"
 
 namespace imomushi {
 
@@ -106,7 +107,8 @@ constexpr EffectDescriptor kTable[] = {
     row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements,
                                              .ask = askForPatches<EffectKind::Contact>,
                                              .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Contact); },
-                                             .mostRead = 36}),
+                                             .mostRead = 36,
+                                             .canBeAutomatic = true}),
     row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones, .seesFlesh = true, .pairs = groundPairs}),
 };
 static_assert(std::size(kTable) == kEffects);
@@ -149,9 +151,10 @@ CharacterEffects characterEffects(const Document& document) {
     for (const EffectDescriptor& d : kTable) {
         if (!d.isOnCharacter() || !document.effects.has(d.kind)) continue;
         auto settings = document.effects.settings(d.kind);
-        if (!document.effects[d.kind].elements.empty())
+        if (!document.effects[d.kind].elements.empty() || waitsToMeet(document.effects, d.kind))
             for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));
-        if (d.kind == EffectKind::Contact && document.effects.has(EffectKind::Ground)) {
+        // What waits has few elements that could be pressed in: the ground holds all of them by bones alone.
+        if (d.kind == EffectKind::Contact && !settings->automatic && document.effects.has(EffectKind::Ground)) {
             auto& contact = static_cast<ContactEffect&>(*settings);
             const auto ground = document.effects.settings<GroundEffect>(EffectKind::Ground);
             contact.ground = ground.plane();
@@ -184,7 +187,7 @@ std::shared_ptr<EffectSettings> Effects::settings(EffectKind kind) const {
 
 bool Effects::has(EffectKind kind, PartId element) const {
     const Effect& effect = (*this)[kind];
-    return effect.enabled && (effect.elements.empty() || effect.elements.contains(element));
+    return effect.enabled && (effect.elements.empty() ? !waitsToMeet(*this, kind) : effect.elements.contains(element));
 }
 
 int Effects::place(EffectKind kind, std::string_view property) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/document/command_support.h"
+#include "core/document/effect_meetings.h"
 
 namespace imomushi {
 
@@ -70,7 +71,7 @@ void dropElement(Document& document, PartId element, PartId heir) {
     changeBones(document, [&](const Bone& bone) { return bone.element == element; }, [&](Bone& bone) { bone.element = heir; });
     for (std::size_t k = 0; k < kEffects; ++k) {
         Effect& effect = document.effects[static_cast<EffectKind>(k)];
-        if (effect.elements.erase(element) > 0 && effect.elements.empty()) effect.enabled = false;
+        if (effect.elements.erase(element) > 0 && effect.elements.empty() && !waitsToMeet(document.effects, static_cast<EffectKind>(k))) effect.enabled = false;
     }
     std::erase_if(document.touches, [&](const Touch& touch) { return touch.element == element; });
     document.elements.erase(element);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/document/handle_commands.h"
 
+#include <algorithm>
 
 #include "core/base/formatted.h"
 #include "core/document/command_support.h"
 #include "core/document/document_edit.h"
 #include "core/document/names.h"
+#include "core/document/standing_places.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {
@@ -31,15 +33,49 @@ Result<std::optional<EndpointRef>> boneFrom(const Document& document, const std:
 }
 
 /// "handle 1", "handle 2", ...: the first that is free.
-std::string freeHandleName(const Document& document, const Element& element) {
+std::string freeHandleName(const Document& document, const Element& element, const std::string& stem = "handle") {
     for (int n = 1;; ++n) {
-        std::string name = "handle " + std::to_string(n);
+        std::string name = stem + " " + std::to_string(n);
         if (checkNewName(document, name) && element.faceIndex(name) < 0) return name;
     }
 }
 
 Result<double> radiusFrom(const Element& element, const Json& value) {
     return numberWithin(value, "radius", 0.0, kLargestHandleRadius * diagonalOf(element.mesh->body.vertices));
+}
+
+/// Nothing of the document moves it or holds it.
+bool isFree(const Document& document, const Element& element) {
+    return element.faces.empty() && std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return bone.second->element == element.id; });
+}
+
+/// Pins handles where an element stands, beside those that it has; where there is no room, as far from `handle` as can be. Their names.
+std::vector<std::string> holdWhereItStands(Document& document, PartId id, const std::string& handle) {
+    std::vector<std::string> names;
+    const auto hold = [&](const StandingPlace& place) {
+        const Element& element = *document.elements.at(id);
+        auto face = handleFace(element, place.point, place.radius);
+        if (!face) return;
+        face->name = freeHandleName(document, element, "hold");
+        HandleGoal goal;
+        goal.pinned = goal.target.held = true;
+        goal.target.at = face->frame.origin;
+        document.handleGoals.insert_or_assign(FaceRef{id, face->name}, goal);
+        names.push_back(face->name);
+        exchangePart(document.elements, id, [&](Element& changed) {
+            changed.handles.push_back({face->name, nearestOnSurface(changed.mesh->body, place.point).point, place.radius, {}});
+            changed.faces.push_back(std::move(*face));
+        });
+    };
+    const TriangleMesh& body = document.elements.at(id)->mesh->body;
+    for (const StandingPlace& place : standingPlaces(body, kDefaultHandleRadius * diagonalOf(body.vertices))) hold(place);
+    if (!names.empty()) return names;
+    const Element& element = *document.elements.at(id);
+    const Points& vertices = element.mesh->body.vertices;
+    Eigen::Index far = 0;
+    (vertices.rowwise() - faceOf(document, {id, handle}).frame.origin.transpose()).rowwise().squaredNorm().maxCoeff(&far);
+    hold({vertices.row(far).transpose(), kDefaultHandleRadius * diagonalOf(vertices)});
+    return names;
 }
 
 Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progress&) {
@@ -72,10 +108,12 @@ Result<Json> makeHandle(DocumentEdit& edit, const Json& arguments, const Progres
     answer["face"] = element->name + "/" + name;
     answer["radius"] = handle.radius;
     answer["handles"] = element->handles.size() + 1;
+    const bool holds = arguments.value("hold", false) && isFree(document, *element);
     exchangePart(document.elements, element->id, [&](Element& changed) {
         changed.faces.push_back(std::move(face));
         changed.handles.push_back(std::move(handle));
     });
+    if (arguments.contains("hold")) answer["held"] = holds ? holdWhereItStands(document, element->id, name) : std::vector<std::string>();
     return answer;
 }
 
@@ -277,7 +315,8 @@ void addHandleCommands(CommandRegistry& registry) {
                         {"name", Type::Text, false, "A name that no element, bone or handle has (\"handle 1\", ...)."},
                         {"point", Type::Vector3, true, "Its middle on the surface at rest, metres."},
                         {"radius", Type::Number, false, "Metres along the surface, up to half of the element's diagonal (a twentieth of that); at least the triangles about a vertex."},
-                        {"bone", Type::Text, false, "\"bone/start\" or \"bone/end\", with which it moves while it is not held (the element)."}},
+                        {"bone", Type::Text, false, "\"bone/start\" or \"bone/end\", with which it moves while it is not held (the element)."},
+                        {"hold", Type::Boolean, false, "Where nothing moves or holds the element yet: pins it where it stands by handles of their own, so that this one bends it instead of carrying it (false)."}},
                        makeHandle);
     registry.addChange("remove-handle", "Removes a handle.", {{"handle", Type::Text, true, "The handle."}}, removeHandle);
 }

@@ -6,7 +6,9 @@
 #include <new>
 
 #include "core/base/try.h"
+#include "core/character/contact_job.h"
 #include "core/document/character_change.h"
+#include "core/document/effect_meetings.h"
 #include "core/document/morph_weights.h"
 #include "core/touch/touch_contact.h"
 
@@ -20,6 +22,15 @@ constexpr int kSettleSteps = 200;
 constexpr int kLiftRounds = 8;
 /// The same in a frame, where flesh came deep into the ground.
 constexpr int kLiftsOfFrame = 4;
+
+/// Flesh that met in the last frame is in the effect of the document from now on: no step of the history, as it passes with time. `valid`: false then, the character is built anew.
+/// Not in a recording, which another character would end.
+void noteMeetings(const Character& character, const CharacterPlan& plan, bool recording, Document& document, bool& valid) {
+    const auto* contact = character.input().effects.find<ContactEffect>();
+    if (!contact || !contact->met || contact->met->empty() || recording) return;
+    for (const std::size_t e : *contact->met) document.effects[EffectKind::Contact].elements.insert(plan.elements[e]);
+    valid = false;
+}
 
 }  // namespace
 
@@ -80,7 +91,9 @@ Result<void> LiveCharacter::build() {
     valid_ = true;
     error_.reset();
     shownTake_.reset();
-    performance_.reset();
+    // Where flesh meets while a body moves, it goes on: only answers of its elements are others.
+    const auto sameParts = [&](const KnownPlan& k) { return k.elements == document().elements && k.joints == document().joints && k.bones == document().bones; };
+    if (!waitsToMeet(document().effects, EffectKind::Contact) || knownPlans_.empty() || !sameParts(knownPlans_.back())) performance_.reset();
     const auto planned = planOf(document());
     if (!planned) {
         character_.reset();
@@ -88,6 +101,11 @@ Result<void> LiveCharacter::build() {
         return tl::unexpected(*error_);
     }
     plan_ = **planned;
+    if (const auto* contact = plan_.input.effects.find<ContactEffect>(); contact && contact->automatic) {
+        ContactEffect asking = *contact;
+        asking.met = std::make_shared<std::vector<std::size_t>>();
+        plan_.input.effects.set(std::move(asking));
+    }
     const std::shared_ptr<const BuiltCharacter> lent = std::exchange(lent_, nullptr);
     if (lent) embeddedModels_ = lent->models;
     addRenderMeshes(plan_, document(), embeddedModels_);
@@ -393,6 +411,7 @@ void LiveCharacter::stepFrame(double seconds) {
         character_->update(ownPose(), seconds);
     }
     measureEffects();
+    noteMeetings(*character_, plan_, recording_.has_value(), history_.edit(), valid_);
     stirred_ = !settled || (performance_ && !performance_->resting()) || !character_->resting();
     recordFrame(seconds);
     history_.noteFrame(seconds);
@@ -454,6 +473,7 @@ Result<void> LiveCharacter::follow(const Document& before) {
         const auto was = planOf(before), is = planOf(document());
         if (!is) return tl::unexpected(is.error());
         valid_ = false;
+        performance_.reset();
         if (followSkeleton(history_.edit(), was ? was->get() : nullptr, **is))
             if (const auto settled = settle(); !settled) return tl::unexpected(settled.error());
     } else if (changesCharacter(change, document())) {

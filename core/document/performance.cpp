@@ -9,6 +9,7 @@
 #include "core/base/union_find.h"
 #include "core/character/ground_job.h"
 #include "core/document/bone_effects.h"
+#include "core/document/effect_meetings.h"
 #include "core/mesh/topology.h"
 
 namespace imomushi {
@@ -120,7 +121,7 @@ void Performance::take(const Effects& effects) {
         const auto asked = effects.settings<GroundEffect>(EffectKind::Ground);
         ground_ = BoneDynamicsSettings::Ground{asked.plane(), asked.friction};
     }
-    pressed_ = effects.has(EffectKind::Contact) ? kPressed : 0.0;
+    pressed_ = effects.has(EffectKind::Contact) && !waitsToMeet(effects, EffectKind::Contact) ? kPressed : 0.0;
 }
 
 BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {

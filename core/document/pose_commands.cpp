@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "core/document/command_support.h"
 #include "core/base/finite.h"
@@ -278,6 +279,8 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
     bool finite = true, timeDropped = false;
     live.hidePositions();
     const Character* character = alive;
+    Json met = Json::array();
+    std::set<PartId> known = document.effects[EffectKind::Contact].elements;
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
         const auto start = std::chrono::steady_clock::now();
@@ -294,6 +297,17 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
         product.push_back(stats.productMs);
         normals.push_back(stats.normalsMs);
         finite = finite && isFinite(*character, document.pose, live.plan().elements.size());
+        const std::set<PartId>& now = document.effects[EffectKind::Contact].elements;
+        if (now.size() == known.size()) continue;
+        // What met presses from the next frame on.
+        for (const PartId id : now) {
+            if (known.contains(id)) continue;
+            if (auto computed = access.responses.compute(id, progress); !computed) return tl::unexpected(computed.error());
+            met.push_back(document.elements.at(id)->name);
+        }
+        known = now;
+        access.changedResponses();
+        IMOMUSHI_TRY(character, live.built());
     }
     access.changedPose();
     Json answer;
@@ -313,6 +327,7 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
     if (timeDropped) said.emplace_back("A frame lasted longer than a quarter of a second: bone dynamics moved for that long only; step with a smaller dt.");
     answer["warnings"] = texts(said);
     answer["finite"] = finite;
+    if (!met.empty()) answer["met"] = std::move(met);
     return answer;
 }
 

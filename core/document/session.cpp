@@ -256,7 +256,19 @@ Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf
 Points Session::positionsOf(PartId element) { return live_->positionsOf(element); }
 Points Session::renderPositionsOf(PartId character) { return live_->renderPositionsOf(character); }
 bool Session::moving() { return live_->moving(); }
-void Session::stepFrame(double seconds) { live_->stepFrame(seconds); }
+
+void Session::stepFrame(double seconds) {
+    const auto& met = document().effects[EffectKind::Contact].elements;
+    const std::size_t before = met.size();
+    live_->stepFrame(seconds);
+    if (met.size() == before) return;
+    // What met lacks its patches now: who listens shows it so.
+    Change change;
+    change.document.effects = document().effects;
+    change.responses = true;
+    tell(change);
+}
+
 std::optional<double> Session::effectMilliseconds(EffectKind effect) const { return live_->effectMilliseconds(effect); }
 unsigned Session::warnings() const { return live_->warnings(); }
 
