@@ -68,10 +68,6 @@ void tour(Window& w, const Look& look, const QString& mesh) {
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     panel("effectsDock", "effects");
     panel("accuracyDock", "accuracy");
-    w.run({{"do", "record"}, {"take", "wave"}, {"action", "start"}});
-    w.run({{"do", "drag"}, {"endpoint", "arm.L/end"}, {"to", {0.6, 1.3, 0.3}}, {"seconds", 0.2}});
-    w.run({{"do", "step"}, {"frames", 15}});
-    w.run({{"do", "record"}, {"take", "wave"}, {"action", "stop"}});
     panel("takesDock", "takes");
 
     w.trigger("export");
