@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/mesh/topology.h"
+#include "core/mesh/triangle_tree.h"
 #include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
@@ -39,7 +40,7 @@ public:
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
         std::unordered_map<std::int32_t, double> best;
         const auto offer = [&](std::int32_t v, double d) {
-            if (d > longest) return;
+            if (d + (mesh_.vertices.row(v).transpose() - to).norm() > longest) return;
             const auto [it, fresh] = best.try_emplace(v, d);
             if (!fresh && it->second <= d) return;
             it->second = d;
@@ -73,6 +74,7 @@ std::vector<SurfaceSample> studySurface(const TriangleMesh& mesh, const RayTree&
     const double whole = surfaceArea(mesh);
     if (!(whole > 0.0)) return out;
     const Ways ways(mesh);
+    const TriangleTree near(mesh);
     double passed = 0.0;
     int taken = 0;
     for (std::int32_t f = 0; f < mesh.triangles.rows() && taken < samples; ++f) {
@@ -103,6 +105,8 @@ std::vector<SurfaceSample> studySurface(const TriangleMesh& mesh, const RayTree&
                     sample.across = across;
                 }
             }
+            if (std::isfinite(sample.gap))
+                sample.width = std::clamp(2.0 * std::sqrt(near.nearest(sample.point + 0.5 * sample.gap * sample.across).squaredDistance), 0.5 * sample.gap, sample.gap);
             const RayTree::Hit back = rays.first(sample.point - kStart * n, -n, reach, f);
             if (back.triangle >= 0 && areaVector(mesh, back.triangle).dot(n) < 0.0) sample.thickness = back.distance;
             out.push_back(sample);

@@ -17,6 +17,7 @@ struct SurfaceSample {
     Vec3 point, normal;
     double gap = std::numeric_limits<double>::infinity();    ///< to another part of the surface in front; infinite: none within reach
     Vec3 across = Vec3::Zero();                              ///< from the point to the other side of the gap, unit
+    double width = std::numeric_limits<double>::infinity();  ///< of the gap in the middle of that way, at least half of it: walls that are round are nearer beside it
     double crease = std::numeric_limits<double>::infinity(); ///< to a wall in front that is no gap but the other side of a crease
     double thickness = std::numeric_limits<double>::infinity();  ///< to the far side of the flesh; infinite: none within reach
 };

@@ -13,7 +13,7 @@
 #include "core/mesh/bounds.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
-#include "core/mesh/winding_number.h"
+#include "core/mesh/winding_tree.h"
 #include "core/worker/worker.h"
 
 namespace imomushi {
@@ -22,21 +22,24 @@ namespace {
 // Lengths in diagonals.
 constexpr int kAreaSamples = 6000;           ///< a patch of a 75th of the size of a body has one
 constexpr double kCoarsest = 1.0 / 80.0;   ///< alpha where nothing asks for less
-constexpr double kFinest = 1.0 / 500.0;    ///< alpha in gaps: seconds
+constexpr double kFinest = kFinestDetail;    ///< alpha in gaps: seconds
+constexpr double kFinestSoup = 1.0 / 500.0;  ///< the same where no winding number tells the inside from the outside
 constexpr double kFinestLimb = 1.0 / 300.0;  ///< alpha on thin limbs and fins
 constexpr double kFinestCrease = 1.0 / 200.0; ///< alpha in creases, which it rounds
-constexpr double kGapPart = 0.4;         ///< of a gap: the ball of alpha rolls in and touches both walls at .5
+constexpr double kGapPart = 0.35;        ///< of a gap: the ball of alpha and what its facets lack of it roll in, and touch both walls at .5
 constexpr double kLimbPart = 0.15;       ///< of a thickness: a round limb gets some twenty sides
 constexpr double kGrowth = 0.3;          ///< of alpha with the distance: neighbouring triangles differ by a third
 constexpr double kMatters = 2e-3;        ///< area of gaps over the whole below which they are noise
 constexpr double kOffset = 0.2;         ///< of the finest alpha
 constexpr double kDensity = 1.2;         ///< vertices of a wrap per area over alpha squared, measured
-constexpr double kMostVertices = 60000;  ///< of a wrap that is chosen by itself: some ten seconds
+constexpr double kMostVertices = 30000;  ///< of a wrap that is chosen by itself: some five seconds
 constexpr std::size_t kMostAsked = 400000;  ///< of one that was asked for
 constexpr std::size_t kBodyVertices = 8000;
 constexpr double kReach = 0.25;          ///< of rays
 constexpr std::size_t kDeep = 200;       ///< places in the flesh that must be inside of the wrap
 constexpr double kHollow = 0.05;         ///< of them may be outside
+constexpr double kBeside = 1e-4;         ///< of a surface
+constexpr double kOutside = 0.25;        ///< the winding number, either way, below which a place is outside: in the middle of a hole it is .5
 constexpr double kIsland = 1e-3;          ///< volume over that of the largest surface of a wrap, below which one is dropped
 constexpr double kNear = 0.05;           ///< closed gaps that near are one place
 constexpr std::size_t kPlaces = 16;
@@ -44,14 +47,16 @@ constexpr std::size_t kCrossings = 1000;
 
 SizeField sizesFor(const std::vector<SurfaceSample>& samples, double spacing, double finest, double coarsest) {
     std::size_t gaps = 0;
-    for (const SurfaceSample& s : samples) gaps += kGapPart * s.gap < coarsest;
+    for (const SurfaceSample& s : samples) gaps += kGapPart * s.width < coarsest;
     const bool gapsMatter = static_cast<double>(gaps) > kMatters * static_cast<double>(samples.size());
     std::vector<SizeField::Source> sources;
     for (const SurfaceSample& s : samples) {
         double size = std::max(kLimbPart * s.thickness, std::max(finest, kFinestLimb));
         size = std::min(size, std::max(kGapPart * s.crease, std::max(finest, kFinestCrease)));
-        if (gapsMatter) size = std::min(size, std::max(kGapPart * s.gap, finest));
         if (size < coarsest) sources.push_back({s.point, size});
+        const double inGap = kGapPart * s.width;
+        if (gapsMatter && inGap < coarsest && inGap >= finest)  // what the finest does not fit into is closed anyway
+            sources.push_back({s.point + 0.5 * s.gap * s.across, inGap});
     }
     return SizeField(std::move(sources), coarsest, kGrowth, spacing);
 }
@@ -66,15 +71,24 @@ double expectedVertices(const SizeField& sizes, const std::vector<SurfaceSample>
 }
 
 /// Places that clearly are inside of flesh.
-std::vector<Vec3> deepPlaces(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples, const Progress& progress) {
+std::vector<Vec3> deepPlaces(const WindingTree& winding, const std::vector<SurfaceSample>& samples, const Progress& progress) {
     std::vector<Vec3> places;
     const std::size_t step = samples.size() / kDeep + 1;
     for (std::size_t i = 0; i < samples.size() && !progress.cancelled(); i += step) {
         const Vec3 p = samples[i].point - std::min(0.5 * samples[i].thickness, 0.02) * samples[i].normal;
-        if (windingNumber(mesh, p) > 0.7) places.push_back(p);
+        if (winding.at(p) > 0.7) places.push_back(p);
     }
     if (10 * places.size() < samples.size() / step) places.clear();  // sheets: what lies between them is by chance
     return places;
+}
+
+/// Without those of parts that lie in the flesh of others: a wrap does not come near them, and what they see is no gap.
+std::vector<SurfaceSample> outerOf(const std::vector<SurfaceSample>& samples, const WindingTree& winding) {
+    std::vector<SurfaceSample> outer;
+    const auto in = [&](const Vec3& p) { return std::abs(winding.at(p)) > 0.5; };
+    for (const SurfaceSample& s : samples)
+        if (!in(s.point + kBeside * s.normal) || !in(s.point - kBeside * s.normal)) outer.push_back(s);
+    return outer;
 }
 
 /// Without the islands that stay in gaps where the ball went around them.
@@ -205,15 +219,20 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
     unit.vertices = (mesh.vertices.rowwise() - middle.transpose()) / diagonal;
     progress.report("gaps", 0.0);
     const RayTree rays(unit);
-    const std::vector<SurfaceSample> samples = studySurface(unit, rays, kAreaSamples, kReach, progress);
+    std::vector<SurfaceSample> samples = studySurface(unit, rays, kAreaSamples, kReach, progress);
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
     if (samples.empty()) return fail("no-volume", "The mesh has no area: choose another file.");
-    const std::vector<Vec3> deep = deepPlaces(unit, samples, progress);
+    const WindingTree winding(unit);
+    const std::vector<Vec3> deep = deepPlaces(winding, samples, progress);
+    const auto all = static_cast<double>(samples.size());
+    samples = outerOf(samples, winding);
+    const double area = surfaceArea(unit) * static_cast<double>(samples.size()) / all;
+    if (samples.empty()) return fail("no-volume", "The mesh encloses no volume: give it thickness or close it in a modelling program.");
 
-    const double area = surfaceArea(unit);
     const double spacing = std::sqrt(area / static_cast<double>(samples.size()));
     double coarsest = detail > 0.0 ? detail : kCoarsest;
-    double finest = detail > 0.0 ? detail : kFinest;
+    const bool holes = hasHoles(unit), sided = !deep.empty();
+    double finest = detail > 0.0 ? detail : holes && !sided ? kFinestSoup : kFinest;
     const auto sizes = [&] { return detail > 0.0 ? SizeField({}, detail, kGrowth, 0.0) : sizesFor(samples, spacing, finest, coarsest); };
     SizeField field = sizes();
     if (detail == 0.0) {
@@ -223,45 +242,64 @@ Result<WrappedSurface> wrappedBody(const TriangleMesh& mesh, double detail, doub
             field = sizes();
         }
     }
-    const auto wrapped = [&]() -> Result<TriangleMesh> {
+    // `outside`: a second ball, for places that are outside by winding number; null: none.
+    const auto wrapped = [&](const SizeField* outside) -> Result<TriangleMesh> {
+        const SizeField& fine = outside ? *outside : field;
         WrapSetting wanted;
         wanted.alpha = [&field](const Vec3& p) { return field.at(p); };
+        if (outside) {
+            wanted.alphaOutside = [outside](const Vec3& p) { return outside->at(p); };
+            wanted.outside = [&winding](const Vec3& p) { return std::abs(winding.at(p)) < kOutside; };
+        }
         wanted.coarsest = field.coarsest();
-        wanted.offset = kOffset * field.finest();
+        wanted.offset = kOffset * fine.finest();
         // One that falls through a hole has two sides and is given up early.
-        wanted.mostVertices = detail > 0.0 ? kMostAsked : 5000 + static_cast<std::size_t>(1.6 * expectedVertices(field, samples, area));
+        wanted.mostVertices = detail > 0.0 ? kMostAsked : 5000 + static_cast<std::size_t>(1.6 * expectedVertices(fine, samples, area));
         const Attempt wrapping("a wrap");
         if (!wrapping) return fail("no-volume", "A wrap of this mesh breaks down or comes to no end: repair it in a modelling program.");
         auto wrap = wrapTriangles(unit, wanted, progress);
         if (wrap) *wrap = withoutIslands(*wrap);
         return wrap;
     };
-    // A ball that falls through a hole leaves a hollow body: a larger one does not. Large ones are tried first, as they are quick.
+    // A ball that falls through a hole leaves a hollow body: a larger one does not.
     Result<TriangleMesh> wrap = fail("no-volume", "");
-    if (detail == 0.0 && hasHoles(unit)) {
+    if (detail == 0.0 && holes) {
         const SizeField chosen = field;
         const double first = coarsest;
-        for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
-            field = SizeField({}, coarsest, kGrowth, 0.0);
-            wrap = wrapped();
-            const bool fell = wrap ? hollow(*wrap, deep) : wrap.error().code == "too-large";
-            if (!fell || coarsest >= kCoarsestDetail) break;
+        const auto fell = [&](const Result<TriangleMesh>& tried) { return tried ? hollow(*tried, deep) : tried.error().code == "too-large"; };
+        // Where the surface says what is outside, a small ball rolls there and the large one over the holes: a hole in a limb closes no gap between limbs.
+        const auto withBoth = [&] {
+            if (!sided) return false;
+            auto tried = wrapped(&chosen);
+            if (!tried || hollow(*tried, deep)) return false;
+            wrap = std::move(tried);
+            return true;
+        };
+        field = SizeField({}, coarsest, kGrowth, 0.0);
+        bool both = withBoth();
+        if (!both) {
+            for (;; coarsest = std::min(1.5 * coarsest, kCoarsestDetail)) {
+                field = SizeField({}, coarsest, kGrowth, 0.0);
+                wrap = wrapped(nullptr);
+                if (!fell(wrap) || coarsest >= kCoarsestDetail) break;
+            }
+            if (!wrap) return tl::unexpected(wrap.error());
+            both = coarsest != first && withBoth();
         }
-        if (!wrap) return tl::unexpected(wrap.error());
-        // Then finer ones, each from the last on, until one falls through.
-        SizeField fitting = field;
-        for (double floor = coarsest / 2.0; coarsest == first && fitting.finest() > chosen.finest(); floor /= 2.0) {
+        SizeField fitting = both ? chosen : field;
+        // Else finer ones are tried, each from the last on, until one falls through.
+        for (double floor = coarsest / 2.0; !both && coarsest == first && fitting.finest() > chosen.finest(); floor /= 2.0) {
             finest = std::max(floor, chosen.finest());
             field = sizes();
-            auto fine = wrapped();
+            auto fine = wrapped(nullptr);
             if (!fine && fine.error().code != "too-large") return tl::unexpected(fine.error());
-            if (!fine || hollow(*fine, deep)) break;
+            if (fell(fine)) break;
             wrap = std::move(fine);
             fitting = field;
         }
         field = fitting;
     } else {
-        wrap = wrapped();
+        wrap = wrapped(nullptr);
     }
     if (!wrap) return tl::unexpected(wrap.error());
     progress.report("coarsen", 0.8);

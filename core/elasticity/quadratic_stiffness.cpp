@@ -119,8 +119,8 @@ bool QuadraticStiffness::build(const TetrahedralMesh& mesh, const QuadraticNodes
     block.assign(row.size(), Block::Zero());
     const double lambda = 2.0 * nu / (1.0 - 2.0 * nu);
     const auto count = static_cast<std::size_t>(nodes.rows());
-    // Integrals by many threads, added up by one.
-    constexpr std::size_t kRound = 32 * kTetrahedronGrain;
+    // Integrals by many threads, added up by one; few at once, as each is 4 kB of memory that would be fetched anew for each of many small bodies.
+    constexpr std::size_t kRound = 8 * kTetrahedronGrain;
     std::vector<TetrahedronBlocks> blocks(std::min(count, kRound));
     for (std::size_t from = 0; from < count; from += kRound) {
         if (progress.cancelled()) return false;
