@@ -2527,8 +2527,8 @@
             <translation>キャラクター全体</translation>
         </message>
         <message>
-            <source>Any mesh. It keeps its look; a closed body inside moves it.</source>
-            <translation>どんなメッシュも可。見た目はそのままで、閉じたボディが動かします。</translation>
+            <source>Any mesh. It keeps its look; a body moves it.</source>
+            <translation>どんなメッシュも可。見た目はそのまま、ボディが動かします。</translation>
         </message>
         <message>
             <source>Elements</source>

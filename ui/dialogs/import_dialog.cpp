@@ -70,7 +70,7 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     setObjectName(QStringLiteral("importDialog"));
     job_ = new ImportJob(this);
     character_ = new CharacterJob(this);
-    wholeCard_ = named(new ChoiceCard(tr("Whole character"), tr("Any mesh. It keeps its look; a closed body inside moves it."), this), "wholeCharacter");
+    wholeCard_ = named(new ChoiceCard(tr("Whole character"), tr("Any mesh. It keeps its look; a body moves it."), this), "wholeCharacter");
     elementsCard_ = named(new ChoiceCard(tr("Elements"), tr("Closed surfaces. Each one becomes a soft element."), this), "elements");
     auto* kinds = new QButtonGroup(this);
     for (ChoiceCard* card : {wholeCard_, elementsCard_}) {
