@@ -16,7 +16,7 @@ namespace imomushi {
 namespace {
 
 constexpr int kDirections = 200;   // a quarter of a radian apart, about
-constexpr double kBent[] = {0.8, 1.6};  // radians: how far the faces of a bent element are turned, each against the next
+constexpr double kBentBy[] = {0.8, 1.6};  // radians: how far the faces of a bent element are turned, each against the next
 constexpr double kMissed = 0.002;  // sizes of the element: reaching less far beyond does not matter
 constexpr double kCell = 1.0 / 32.0;  // sizes of the element: of vertices nearer to each other one is a candidate, besides those that reach farthest at rest
 
@@ -76,7 +76,7 @@ std::vector<Eigen::Matrix3Xd> posesOf(const ElementRuntime& element, const std::
     }
     Eigen::VectorXd v = Eigen::VectorXd::Zero(response.columns());
     for (int axis = 0; axis < 3; ++axis)
-        for (const double angle : {kBent[0], -kBent[0], kBent[1], -kBent[1]}) {
+        for (const double angle : {kBentBy[0], -kBentBy[0], kBentBy[1], -kBentBy[1]}) {
             std::vector<JointMap> maps(given.faces.size());
             for (std::size_t f = 0; f < given.faces.size(); ++f) {
                 const auto& axes = given.faces[f].frame.axes;

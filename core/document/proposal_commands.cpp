@@ -275,7 +275,7 @@ void addProposalCommands(CommandRegistry& registry) {
                        "that mirrors itself gets a proposal that does. All cuts were tried together. Changes nothing; make-soft does what is proposed, or what you made of it.",
                        {{"character", Type::Text, true, "The character."},
                         {"from", Type::Text, false, "\"skeleton\", \"shape\", or \"auto\": the skeleton where the file brought one (unless given)."},
-                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.00005 for shapes; 0.01 for skeletons, or more where that would make many pieces); what is smaller stays with its neighbour."},
+                        {"least", Type::Number, false, "The smallest share of the flesh of a piece, 0 to 1 (0.00005 for shapes; 0.01 for skeletons, or more where that would make many pieces; a fifth of it is enough for limbs of a human and for hair that swings); what is smaller stays with its neighbour."},
                         {"bones", Type::Array, false, "Names of the bones of the file's skeleton that stay; all others are merged into them (those that move enough flesh stay unless given)."}},
                        propose);
 }

@@ -2,11 +2,15 @@
 #include "core/proposal/rig_flesh.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "core/base/formatted.h"
+#include "core/mesh/humanoid.h"
 #include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
@@ -15,7 +19,7 @@ namespace {
 
 constexpr double kLeastWeight = 1e-4;
 constexpr double kTrunk = 0.5;  // of the flesh: what hangs beside this much below a root hangs on it
-
+constexpr double kExpected = 0.2;   // of the least share is enough for what somebody expects to move
 
 /// The segments that stand for bones: to the tail, and to the heads of children.
 struct Segments {
@@ -133,6 +137,25 @@ void findCarriers(const Rig& rig, const TriangleMesh& body, RigFlesh& flesh) {
 
 std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
 
+/// RigFlesh::expected.
+std::vector<double> expectedShares(const Rig& rig) {
+    static constexpr std::array<std::string_view, 14> kLimbs{"head", "neck", "leftUpperLeg", "leftLowerLeg", "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot",
+                                                             "leftUpperArm", "leftLowerArm", "leftHand", "rightUpperArm", "rightLowerArm", "rightHand"};
+    std::vector<double> shares(rig.bones.size(), 1.0);
+    for (const RigRole& role : humanRoles(rig))
+        if (std::find(kLimbs.begin(), kLimbs.end(), role.role) != kLimbs.end()) shares[static_cast<std::size_t>(role.bone)] = kExpected;
+    // Nothing of an avatar is believed: what is no list, no object or no bone is passed over.
+    const auto avatar = nlohmann::json::parse(rig.avatar, nullptr, false);
+    const auto member = [](const nlohmann::json& of, const char* key) { return of.is_object() && of.contains(key) ? of[key] : nlohmann::json(); };
+    for (const auto& spring : member(member(avatar, "springBone"), "springs")) {
+        const auto joints = member(spring, "joints");
+        const auto name = joints.is_array() && !joints.empty() ? member(joints[0], "bone") : nlohmann::json();
+        const int bone = name.is_string() ? rig.boneIndex(name.get<std::string>()) : -1;
+        if (bone >= 0) shares[static_cast<std::size_t>(bone)] = kExpected;
+    }
+    return shares;
+}
+
 }  // namespace
 
 RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh& body) {
@@ -202,12 +225,15 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
     }
     for (std::size_t b = 0; b < bones; ++b) flesh.middle.push_back(flesh.share[b] > 0.0 ? Vec3(moment[b] / flesh.share[b]) : rig.bones[b].head);
     findCarriers(rig, body, flesh);
+    flesh.expected = expectedShares(rig);
     return flesh;
 }
 
 MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const std::vector<std::pair<int, std::string>>& never) {
     const auto bones = static_cast<int>(rig.bones.size());
     const auto at = [](int b) { return static_cast<std::size_t>(b); };
+    std::vector<double> enough = flesh.expected;
+    for (double& of : enough) of *= least;
     std::vector<double> share = flesh.share, subtree = flesh.share;
     std::vector<int> parent, into(at(bones), -1);
     std::vector<const std::string*> forbidden(at(bones), nullptr);
@@ -221,13 +247,13 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     MergedRig merged;
     const auto merge = [&](int b, int to) {
         const double small = share[at(b)];
-        std::string why = forbidden[at(b)] ? *forbidden[at(b)] : small <= 0.0 ? "It moves no flesh." : "It moves " + percent(small) + " of the flesh, less than " + percent(least) + ".";
+        std::string why = forbidden[at(b)] ? *forbidden[at(b)] : small <= 0.0 ? "It moves no flesh." : "It moves " + percent(small) + " of the flesh, less than " + percent(enough[at(b)]) + ".";
         merged.merges.push_back({b, small, std::move(why)});
         into[at(b)] = to;
         share[at(to)] += small;
     };
     for (const int b : inward)
-        if (parent[at(b)] >= 0 && (share[at(b)] < least || forbidden[at(b)])) merge(b, parent[at(b)]);
+        if (parent[at(b)] >= 0 && (share[at(b)] < enough[at(b)] || forbidden[at(b)])) merge(b, parent[at(b)]);
     const auto moverOf = [&](int b) {
         while (into[at(b)] >= 0) b = into[at(b)];
         return b;
@@ -240,13 +266,13 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     for (int b = 0; b < bones; ++b)
         if (flesh.carrier[at(b)] < 0 && (root < 0 || subtree[at(b)] > subtree[at(root)])) root = b;
     const auto isKept = [&](int b) { return into[at(b)] < 0; };
-    while (share[at(root)] < least || forbidden[at(root)]) {
+    while (share[at(root)] < enough[at(root)] || forbidden[at(root)]) {
         int child = -1;
         for (int b = 0; b < bones; ++b)
             if (isKept(b) && parent[at(b)] == root && (child < 0 || subtree[at(b)] > subtree[at(child)])) child = b;
         // Nothing is kept below it: another root takes its place.
         for (int b = 0; child < 0 && b < bones; ++b)
-            if (isKept(b) && b != root && parent[at(b)] < 0 && !forbidden[at(b)] && share[at(b)] >= least) child = b;
+            if (isKept(b) && b != root && parent[at(b)] < 0 && !forbidden[at(b)] && share[at(b)] >= enough[at(b)]) child = b;
         if (child < 0) break;
         parent[at(child)] = -1;
         for (int b = 0; b < bones; ++b)
@@ -256,7 +282,7 @@ MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const st
     }
     for (int b = 0; b < bones; ++b) {
         if (!isKept(b) || parent[at(b)] >= 0 || b == root) continue;
-        if (share[at(b)] < least || forbidden[at(b)]) {  // targets of inverse kinematics, for one
+        if (share[at(b)] < enough[at(b)] || forbidden[at(b)]) {  // targets of inverse kinematics, for one
             for (int child = 0; child < bones; ++child)
                 if (isKept(child) && parent[at(child)] == b) parent[at(child)] = root;
             merge(b, root);

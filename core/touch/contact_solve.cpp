@@ -16,14 +16,14 @@ constexpr double kMaxCoupling = 0.9;
 /// Points that hold need one round.
 constexpr int kSweeps = 4, kRounds = 6;
 /// Slack in the tests whether solved forces are within their cones.
-constexpr double kSlack = 1e-9;
-
-Vec3 unit(const Vec3& v, const Vec3& otherwise) {
-    const double length = v.stableNorm();
-    return length > 0.0 && std::isfinite(length) ? Vec3(v / length) : otherwise;
-}
+constexpr double kConeSlack = 1e-9;
 
 }  // namespace
+
+Vec3 unitOrZero(const Vec3& v) {
+    const double length = v.stableNorm();
+    return length > 0.0 && std::isfinite(length) ? Vec3(v / length) : Vec3(Vec3::Zero());
+}
 
 ContactSolver::ContactSolver(std::size_t slots) : slots_(slots) {
     compliance_.assign(slots * slots, Eigen::Matrix3d::Zero());
@@ -54,7 +54,7 @@ void ContactSolver::solveAlone(const Eigen::Matrix3d& D, const Vec3& gap, double
     f.how = How::Stick;
     if (into > 0.0 && along.norm() <= friction * into) return;
     // Along the surface towards where sticking would drag it.
-    f.slip = friction * unit(along, Vec3::Zero());
+    f.slip = friction * unitOrZero(along);
     const double drag = n.dot(D * f.slip);
     if (drag > kMaxCoupling * push) f.slip *= kMaxCoupling * push / drag;
     f.force = n.dot(gap) / (n.dot(D * f.slip) - push) * (f.slip - n);
@@ -124,7 +124,7 @@ bool ContactSolver::solveTogether(double friction, double slack) {
         if (f.how == How::Stick) {
             const Vec3 force(right_[at[i]], right_[at[i] + 1], right_[at[i] + 2]);
             const double into = -f.normal.dot(force);
-            holds = into > 0.0 && (force + into * f.normal).norm() <= (1.0 + kSlack) * friction * into;
+            holds = into > 0.0 && (force + into * f.normal).norm() <= (1.0 + kConeSlack) * friction * into;
             f.force = force;
         } else if (f.how == How::Slip) {
             const double into = right_[at[i]];

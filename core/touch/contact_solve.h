@@ -20,6 +20,9 @@ struct ContactPoint {
     How how = How::None;
 };
 
+/// 0 for a vector that has no direction.
+[[nodiscard]] Vec3 unitOrZero(const Vec3& v);
+
 /// Unilateral, frictional contact of a few points on an elastic body (James and Pai 1999). Points are told apart by slots, which keep their
 /// compliances from frame to frame. Allocates where it is made, nowhere else; the same calls give the same bytes.
 class ContactSolver {

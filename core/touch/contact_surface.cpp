@@ -14,13 +14,13 @@ namespace {
 constexpr double kApart = 2.5;
 
 /// The cosine of normals that are opposed after a turn by kMostTurn and as much strain at most.
-const double kTurned = std::cos(std::acos(ContactSurface::kOpposed) - 2.0 * ContactSurface::kMostTurn);
+const double kOpposedTurned = std::cos(std::acos(ContactSurface::kOpposed) - 2.0 * ContactSurface::kMostTurn);
 
 /// The distance of two samples, where it is less and they may be opposed.
 void nearer(const ContactSurface& a, std::int32_t i, const ContactSurface& b, std::int32_t k, double& least) {
     const std::int32_t v = a.vertex(static_cast<std::size_t>(i)), w = b.vertex(static_cast<std::size_t>(k));
     const double distance = (a.surface().vertex(v) - b.surface().vertex(w)).norm();
-    if (distance < least && a.surface().normal(v).dot(b.surface().normal(w)) < kTurned) least = distance;
+    if (distance < least && a.surface().normal(v).dot(b.surface().normal(w)) < kOpposedTurned) least = distance;
 }
 
 }  // namespace

@@ -9,8 +9,8 @@ namespace imomushi {
 namespace {
 
 /// A contact gives way by this part of the mean compliance of the patches around it: many contacts on few patches have an answer.
-constexpr double kSoftness = 0.005;
-constexpr int kSweeps = 16, kSweepsToSettle = 60, kRoundsToSettle = 12;
+constexpr double kPatchSoftness = 0.005;
+constexpr int kSweepsInFrame = 16, kSweepsToSettle = 60, kRoundsToSettle = 12;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ FleshContact::FleshContact(std::vector<Body> bodies) : bodies_(std::move(bodies)
         s.muted.resize(count);
         for (std::size_t i = 0; i < n; ++i) s.boxes.push_back(boxOf(e, i, surface.surface().vertex(touch.patches.centre[i])));
         s.tree = BoxTree(s.boxes);
-        s.softness = kSoftness * touch.compliance.trace() / static_cast<double>(3 * std::max<Eigen::Index>(patches, 1)) / bodies_[e].shear;
+        s.softness = kPatchSoftness * touch.compliance.trace() / static_cast<double>(3 * std::max<Eigen::Index>(patches, 1)) / bodies_[e].shear;
         samples += surface.samples();
         patchesOfOne = std::max(patchesOfOne, n);
     }
@@ -104,7 +104,7 @@ void FleshContact::finish(const Posed& posed, bool settle) {
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
         if (!states_[body].met) release(body);
         if (!awake(body) || island_[body] != body) continue;
-        bool settled = once(posed, body, settle ? kSweepsToSettle : kSweeps);
+        bool settled = once(posed, body, settle ? kSweepsToSettle : kSweepsInFrame);
         for (int i = 1; settle && !settled && i < kRoundsToSettle; ++i) settled = once(posed, body, kSweepsToSettle);
         settled_ = settled_ && settled;
     }

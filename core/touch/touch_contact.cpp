@@ -17,7 +17,7 @@ constexpr double kMaxFriction = 10.0, kMaxSeconds = 10.0, kMinStrain = 0.05, kMa
 /// (1 + x) exp(-x) is a tenth.
 constexpr double kTenth = 3.889720169867429;
 /// Each finger gives way by this part of the compliance of its patches, so that fingers at one place, or at a rim, have an answer.
-constexpr double kSoftness = 1e-8;
+constexpr double kFingerSoftness = 1e-8;
 /// Targets farther than this many sizes are as far as that.
 constexpr double kFarthest = 100.0;
 /// Dents below this part of the size are gone: single precision does not show them.
@@ -34,11 +34,6 @@ void decay(double omega, double seconds, double& value, double& rate) {
     const double e = std::exp(-omega * seconds), slope = rate + omega * value;
     value = (value + slope * seconds) * e;
     rate = (rate - omega * slope * seconds) * e;
-}
-
-Vec3 unit(const Vec3& v, const Vec3& otherwise) {
-    const double length = v.stableNorm();
-    return length > 0.0 && std::isfinite(length) ? Vec3(v / length) : otherwise;
 }
 
 }  // namespace
@@ -101,7 +96,7 @@ void TouchContact::findCompliance(std::size_t finger) {
         moved(f, fingers_[other], solver_.compliance(finger, other));
         if (other != finger) moved(fingers_[other], f, solver_.compliance(other, finger));
     }
-    solver_.compliance(finger, finger).diagonal().array() += kSoftness * mean;
+    solver_.compliance(finger, finger).diagonal().array() += kFingerSoftness * mean;
     if (!dents_) return;
     for (std::size_t other = 0; other < fingers_.size(); ++other) {
         byPatches_[finger * kFingers + other] = solver_.compliance(finger, other);
@@ -173,7 +168,7 @@ bool TouchContact::place(int finger, const Point& point, double radius) {
 bool TouchContact::aim(int finger, const Vec3& wanted, const Vec3& normal) {
     if (finger < 0 || finger >= kFingers || !allFinite(wanted) || !allFinite(normal)) return false;
     Finger& f = fingers_[static_cast<std::size_t>(finger)];
-    const Vec3 direction = unit(normal, Vec3::Zero());
+    const Vec3 direction = unitOrZero(normal);
     if (!f.down || direction.isZero(0.0)) return false;
     f.normal = direction;
     const double length = wanted.stableNorm(), most = kFarthest * surface_->size();

@@ -25,6 +25,8 @@ constexpr float kMaxAngle = 7.0f;
 // The fit of rotations sees the rotation that the response says as this part of what it fits to: without it collapsed triangles would have none.
 constexpr float kGuess = 0.05f;
 constexpr float kTiny = 1e-12f;
+// Of the parts of a sum: what single precision does not tell from 0.
+constexpr float kRounded = 1e-6f;
 
 using D = hn::CappedTag<float, kWarpBatch>;
 using V = hn::Vec<D>;
@@ -157,14 +159,19 @@ HWY_INLINE Target targetOf(const Gradient& g) {
             turned(g.w, first, second, g.t2)};
 }
 
+// c11 a + c12 b, where a is nearly b in a needle, whose c11 is nearly -c12: by what the two differ by.
+HWY_INLINE Three weighed(V c11, V c12, const Three& a, const Three& b) { return along(hn::Add(c11, c12), a, scaled(hn::Neg(c12), a - b)); }
+
 // The rotation that brings the target nearest to sides x1, x2: a polar decomposition of 3 x 2.
 HWY_INLINE void fit(V c11, V c12, V c22, const Three& x1, const Three& x2, Target& target) {
     const V one = set(1.0f), guess = set(kGuess);
-    const V energy = hn::MulAdd(hn::Mul(set(0.5f), c11), twoProducts(target.p1x, target.p1x, target.p1y, target.p1y),
-                                hn::MulAdd(hn::Mul(set(0.5f), c22), twoProducts(target.p2x, target.p2x, target.p2y, target.p2y),
-                                           hn::Mul(c12, twoProducts(target.p1x, target.p2x, target.p1y, target.p2y))));
-    const V over = hn::Div(one, hn::Max(energy, set(1e-30f)));
-    const Three f1 = scaled(over, along(c11, x1, scaled(c12, x2))), f2 = scaled(over, along(c12, x1, scaled(c22, x2)));
+    // Each edge by its own weight: the sum over corners loses all digits in a needle. What rounding leaves of slivers that are flat is no less than kRounded of its parts.
+    const V dx = hn::Sub(target.p1x, target.p2x), dy = hn::Sub(target.p1y, target.p2y);
+    const V e1 = hn::Mul(hn::Add(c11, c12), twoProducts(target.p1x, target.p1x, target.p1y, target.p1y)), e2 = hn::Mul(hn::Add(c22, c12), twoProducts(target.p2x, target.p2x, target.p2y, target.p2y)),
+            e12 = hn::Neg(hn::Mul(c12, twoProducts(dx, dx, dy, dy)));
+    const V energy = hn::Mul(set(0.5f), hn::Add(hn::Add(e1, e2), e12)), parts = hn::Add(hn::Add(hn::Abs(e1), hn::Abs(e2)), hn::Abs(e12));
+    const V over = hn::Div(one, hn::Max(energy, hn::MulAdd(set(kRounded), parts, set(1e-30f))));
+    const Three f1 = scaled(over, weighed(c11, c12, x1, x2)), f2 = scaled(over, weighed(c22, c12, x2, x1));
     const Three a = along(target.p1x, f1, along(target.p2x, f2, scaled(guess, target.x))), b = along(target.p1y, f1, along(target.p2y, f2, scaled(guess, target.y)));
     const V aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
     const V root = hn::Sqrt(hn::Max(hn::MulSub(aa, bb, hn::Mul(ab, ab)), set(1e-4f * kGuess * kGuess)));
@@ -180,7 +187,7 @@ struct Forces {
 
 HWY_INLINE void pull(V c11, V c12, V c22, const Three& x1, const Three& x2, const Target& target, Forces& out, std::size_t lane) {
     const Three d1 = along(target.p1x, target.x, scaled(target.p1y, target.y)) - x1, d2 = along(target.p2x, target.x, scaled(target.p2y, target.y)) - x2;
-    const Three f1 = along(c11, d1, scaled(c12, d2)), f2 = along(c12, d1, scaled(c22, d2));
+    const Three f1 = weighed(c11, c12, d1, d2), f2 = weighed(c22, c12, d2, d1);
     const V nothing = hn::Zero(D());
     hn::StoreInterleaved4(f1.x, f1.y, f1.z, nothing, D(), out.f1 + 4 * lane);
     hn::StoreInterleaved4(f2.x, f2.y, f2.z, nothing, D(), out.f2 + 4 * lane);

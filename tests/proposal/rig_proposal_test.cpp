@@ -163,6 +163,26 @@ TEST_CASE("merging a rig: what moves little flesh goes to what carries it, the r
     CHECK(namesOf(mergeRig(worm.rig, flesh, 0.05, {{3, "It may not."}})) == "s1 s2 s4 s5 s6 ");
 }
 
+TEST_CASE("merging a rig: hands of a human and hair that swings stay from a fifth of the least share on") {
+    Worm worm;  // f1, f2, f3 have .28 % each
+    const auto keptOf = [&] {
+        const MergedRig merged = mergeRig(worm.rig, rigFlesh(worm.rig, worm.mesh, worm.mesh), 0.01);
+        std::string names;
+        for (const int b : merged.kept) names += worm.rig.bones[static_cast<std::size_t>(b)].name + " ";
+        return names;
+    };
+    CHECK(keptOf() == "s1 s2 s3 s4 s5 s6 ");
+    worm.rig.bones[7].name = "Hand.L";
+    CHECK(keptOf() == "s1 s2 s3 s4 s5 s6 Hand.L ");
+    worm.rig.avatar = R"({"springBone": {"springs": [{"joints": [{"bone": "f3"}, {"bone": "f2"}]}]}})";
+    CHECK(keptOf() == "s1 s2 s3 s4 s5 s6 Hand.L f3 ");
+    // What a file says of its avatar is not believed.
+    for (const char* broken : {"{", "[]", "{\"springBone\": 1}", R"({"springBone": {"springs": {"a": 1}}})", R"({"springBone": {"springs": [1, {}, {"joints": []}, {"joints": [1]}, {"joints": [{"bone": 2}]}, {"joints": [{"bone": "none"}]}]}})"}) {
+        worm.rig.avatar = broken;
+        CHECK(keptOf() == "s1 s2 s3 s4 s5 s6 Hand.L ");
+    }
+}
+
 TEST_CASE("flesh of a rig: a foot that the file hangs on its root is carried by its leg") {
     const TriangleMesh mesh = shapes::box({-0.5, 0.0, -0.5}, {0.5, 6.0, 0.5}, 4, 24, 4).mesh;
     Rig rig = rigOf({{"root", -1, {0, 0, 0}}, {"body", 0, {0, 6, 0}}, {"thigh", 1, {0, 4, 0}}, {"calf", 2, {0, 2, 0}}, {"foot", 0, {0, 0.5, 0}}, {"toe", 4, {0, 0.2, 0}}, {"target", 0, {0, 3, 3}}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/body/cgal/untangle.h"
 
+#include <CGAL/Polygon_mesh_processing/manifoldness.h>
 #include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Random.h>
 
@@ -23,6 +24,8 @@ std::optional<TriangleMesh> untangled(const TriangleMesh& mesh) {
         CGAL::get_default_random() = CGAL::Random(0);
         cgal::SurfaceMesh surface = cgal::toSurfaceMesh(mesh);
         if (surface.number_of_faces() != static_cast<std::size_t>(mesh.triangles.rows())) return std::nullopt;
+        // Where surfaces meet in a vertex alone it looks for a face of one in the fan of the other, for ever.
+        pmp::duplicate_non_manifold_vertices(surface);
         if (!pmp::experimental::remove_self_intersections(surface, CGAL::parameters::preserve_genus(true).apply_per_connected_component(false))) return std::nullopt;
         TriangleMesh out = cgal::toTriangleMesh(surface);
         const double before = enclosedVolume(mesh.vertices, mesh.triangles), after = enclosedVolume(out.vertices, out.triangles);
