@@ -10,7 +10,7 @@ namespace imomushi {
 /// 0 of an element without a character and of exact and mended bodies, which are made of the file's own triangles: what lies in holes that were closed nobody knows.
 /// Negative: not known, as the wrap is coarser than kKnownDetail. Up to there the estimate is 0.7 to 2.2 times the error on seven bodies; of a wrap of detail 0.05 it was a third.
 /// Takes some ten milliseconds.
-inline constexpr double kKnownDetail = 0.03;  ///< BodyReport::detail, diagonals; those chosen from the mesh are 0.002 to 0.003 on three characters
+inline constexpr double kKnownDetail = 0.03;  ///< BodyReport::detail, diagonals; those chosen from the mesh are 0.001 to 0.003
 double bodyError(const Document& document, const Element& element);
 
 }  // namespace imomushi

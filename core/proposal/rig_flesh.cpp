@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/formatted.h"
+#include "core/base/json_member.h"
 #include "core/mesh/humanoid.h"
 #include "core/mesh/triangle_tree.h"
 
@@ -18,8 +19,8 @@ namespace imomushi {
 namespace {
 
 constexpr double kLeastWeight = 1e-4;
-constexpr double kTrunk = 0.5;  // of the flesh: what hangs beside this much below a root hangs on it
-constexpr double kExpected = 0.2;   // of the least share is enough for what somebody expects to move
+constexpr double kTrunk = 0.5;        // of the flesh: what hangs beside this much below a root hangs on it
+constexpr double kLeastOfLimbs = 0.2;  // RigFlesh::leastFactor of limbs and hair
 
 /// The segments that stand for bones: to the tail, and to the heads of children.
 struct Segments {
@@ -137,23 +138,22 @@ void findCarriers(const Rig& rig, const TriangleMesh& body, RigFlesh& flesh) {
 
 std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
 
-/// RigFlesh::expected.
-std::vector<double> expectedShares(const Rig& rig) {
+/// RigFlesh::leastFactor.
+std::vector<double> leastFactors(const Rig& rig) {
     static constexpr std::array<std::string_view, 14> kLimbs{"head", "neck", "leftUpperLeg", "leftLowerLeg", "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot",
                                                              "leftUpperArm", "leftLowerArm", "leftHand", "rightUpperArm", "rightLowerArm", "rightHand"};
-    std::vector<double> shares(rig.bones.size(), 1.0);
+    std::vector<double> factors(rig.bones.size(), 1.0);
     for (const RigRole& role : humanRoles(rig))
-        if (std::find(kLimbs.begin(), kLimbs.end(), role.role) != kLimbs.end()) shares[static_cast<std::size_t>(role.bone)] = kExpected;
-    // Nothing of an avatar is believed: what is no list, no object or no bone is passed over.
+        if (std::find(kLimbs.begin(), kLimbs.end(), role.role) != kLimbs.end()) factors[static_cast<std::size_t>(role.bone)] = kLeastOfLimbs;
     const auto avatar = nlohmann::json::parse(rig.avatar, nullptr, false);
-    const auto member = [](const nlohmann::json& of, const char* key) { return of.is_object() && of.contains(key) ? of[key] : nlohmann::json(); };
-    for (const auto& spring : member(member(avatar, "springBone"), "springs")) {
-        const auto joints = member(spring, "joints");
-        const auto name = joints.is_array() && !joints.empty() ? member(joints[0], "bone") : nlohmann::json();
+    for (const auto& spring : jsonMember(jsonMember(avatar, "springBone"), "springs")) {
+        const auto& joints = jsonMember(spring, "joints");
+        if (!joints.is_array() || joints.empty()) continue;
+        const auto& name = jsonMember(joints[0], "bone");
         const int bone = name.is_string() ? rig.boneIndex(name.get<std::string>()) : -1;
-        if (bone >= 0) shares[static_cast<std::size_t>(bone)] = kExpected;
+        if (bone >= 0) factors[static_cast<std::size_t>(bone)] = kLeastOfLimbs;
     }
-    return shares;
+    return factors;
 }
 
 }  // namespace
@@ -225,14 +225,14 @@ RigFlesh rigFlesh(const Rig& rig, const TriangleMesh& render, const TriangleMesh
     }
     for (std::size_t b = 0; b < bones; ++b) flesh.middle.push_back(flesh.share[b] > 0.0 ? Vec3(moment[b] / flesh.share[b]) : rig.bones[b].head);
     findCarriers(rig, body, flesh);
-    flesh.expected = expectedShares(rig);
+    flesh.leastFactor = leastFactors(rig);
     return flesh;
 }
 
 MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const std::vector<std::pair<int, std::string>>& never) {
     const auto bones = static_cast<int>(rig.bones.size());
     const auto at = [](int b) { return static_cast<std::size_t>(b); };
-    std::vector<double> enough = flesh.expected;
+    std::vector<double> enough = flesh.leastFactor;
     for (double& of : enough) of *= least;
     std::vector<double> share = flesh.share, subtree = flesh.share;
     std::vector<int> parent, into(at(bones), -1);

@@ -21,8 +21,8 @@ struct RigFlesh {
     std::vector<double> volume;  ///< per vertex of the body, of the flesh beneath it, in parts of the whole
     std::vector<std::int32_t> first, bone;  ///< vertex v of the body has the entries [first[v], first[v + 1])
     std::vector<double> weight;             ///< in (0, 1], of a vertex their sum is 1
-    /// Per bone: times the least share is enough for it. Less than 1 for the limbs of a human, down to hands and feet, and for the first bone of what swings (hair of a VRM file).
-    std::vector<double> expected;
+    /// Per bone a factor of the least share from which on it is kept: less than 1 for the limbs of a human, down to hands and feet, and for the first bone of what swings (hair of a VRM file).
+    std::vector<double> leastFactor;
     bool skinned = false;
 };
 
@@ -45,7 +45,7 @@ struct MergedRig {
     std::vector<Merge> merges;  ///< ascending by bone
 };
 
-/// Merges bones that move less than `least` of the flesh (0...1; times RigFlesh::expected) into what carries them, from the tips inward, so that fingers make a hand; a root that moves too little into its
+/// Merges bones that move less than `least` of the flesh (0...1; times RigFlesh::leastFactor) into what carries them, from the tips inward, so that fingers make a hand; a root that moves too little into its
 /// largest child, whose siblings then hang on it. `never`: bones that are merged in any case, with the reason; their children stay. A root among them goes the way of one that moves too little. At least one bone is kept.
 MergedRig mergeRig(const Rig& rig, const RigFlesh& flesh, double least, const std::vector<std::pair<int, std::string>>& never = {});
 

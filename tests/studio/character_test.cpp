@@ -44,15 +44,6 @@ QString writeTube(const QString& path) {
     return path;
 }
 
-QString writeMesh(const QString& path, const TriangleMesh& mesh) {
-    QFile file(path);
-    REQUIRE(file.open(QIODevice::WriteOnly));
-    QTextStream out(&file);
-    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 0) << ' ' << mesh.vertices(v, 1) << ' ' << mesh.vertices(v, 2) << '\n';
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
-    return path;
-}
-
 }  // namespace
 
 TEST_CASE("studio: an open mesh comes in as a whole character, is cut by a click, and bends when it is dragged") {

@@ -3,9 +3,7 @@
 //   IMOMUSHI_SCREENSHOTS=FOLDER xvfb-run -a -s "-screen 0 1600x1000x24" build/tests/test_studio -nv --no-skip -tc="looks: *"
 // ctest leaves it out: it takes some minutes, and its pictures are of use only when somebody looks at them.
 #include <QDockWidget>
-#include <QFile>
 #include <QLineEdit>
-#include <QTextStream>
 
 #include "tests/studio/window.h"
 #include "tests/support/capsules.h"
@@ -107,15 +105,7 @@ void tour(Window& w, const Look& look, const QString& mesh) {
 
 TEST_CASE("looks: every view in both languages, themes, sizes of letters and of the window" * doctest::skip()) {
     Window w;
-    const QString mesh = w.folder.filePath(QStringLiteral("star.obj"));
-    {
-        const TriangleMesh star = capsules::starfish();
-        QFile file(mesh);
-        REQUIRE(file.open(QIODevice::WriteOnly));
-        QTextStream out(&file);
-        for (Eigen::Index v = 0; v < star.vertices.rows(); ++v) out << "v " << star.vertices(v, 0) << ' ' << star.vertices(v, 1) << ' ' << star.vertices(v, 2) << '\n';
-        for (Eigen::Index t = 0; t < star.triangles.rows(); ++t) out << "f " << star.triangles(t, 0) + 1 << ' ' << star.triangles(t, 1) + 1 << ' ' << star.triangles(t, 2) + 1 << '\n';
-    }
+    const QString mesh = writeMesh(w.folder.filePath(QStringLiteral("star.obj")), capsules::starfish());
     for (const char* language : {"en", "ja"})
         for (const Appearance::Theme theme : {Appearance::Theme::Dark, Appearance::Theme::Light})
             for (const double scale : {1.0, 1.5})

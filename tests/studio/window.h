@@ -6,12 +6,14 @@
 #include <QApplication>
 #include <QCursor>
 #include <QDialog>
+#include <QFile>
 #include <QImage>
 #include <QLabel>
 #include <QPushButton>
 #include <QScreen>
 #include <QTemporaryDir>
 #include <QTest>
+#include <QTextStream>
 #include <QTimer>
 #include <QToolButton>
 #include <algorithm>
@@ -265,6 +267,16 @@ struct Window {
         QGuiApplication::primaryScreen()->grabWindow(0).save(to + u'/' + QLatin1String(name) + QStringLiteral(".png"));
     }
 };
+
+/// Writes positions and triangles as an OBJ file; its path.
+inline QString writeMesh(const QString& path, const TriangleMesh& mesh) {
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::WriteOnly));
+    QTextStream out(&file);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 0) << ' ' << mesh.vertices(v, 1) << ' ' << mesh.vertices(v, 2) << '\n';
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
+    return path;
+}
 
 /// The field of a row of the inspector that is seen, null: there is no such row.
 template <class Field>

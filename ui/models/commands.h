@@ -55,8 +55,9 @@ using ChosenBones = std::optional<std::vector<std::string>>;
 Json makeSoft(const Import& import, const std::string& body = {}, std::optional<double> detail = {}, const ChosenBones& bones = {});
 /// A character that is there and has no cuts, bones and handles yet.
 Json makeSoft(const std::string& character, const ChosenBones& bones = {});
-/// An element of its own becomes a character; and one that is soft.
+/// An element of its own becomes a character.
 Json makeCharacter(const std::string& element);
+/// The same, and the character is made soft.
 Json makeElementSoft(const std::string& element);
 [[nodiscard]] bool isMakeSoft(const Json& command);
 /// The bones and clips of a file for a character.

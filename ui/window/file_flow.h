@@ -47,8 +47,9 @@ public:
     enum class Lead { Anything, Mesh, RiggedFile };
     void askImport(Lead lead = Lead::Anything);
     void import(const QStringList& paths, Lead lead = Lead::Anything);  ///< one dialog after another
-    /// Makes a character soft that is there, by these bones of its skeleton or as proposed.
+    /// Makes an element of its own soft, which becomes a character.
     void makeSoft(const Element& element);
+    /// Makes a character soft that is there, by these bones of its skeleton or as proposed.
     void makeSoft(const CharacterSource& character, const std::optional<std::vector<std::string>>& bones = {});
     /// By a command that says how, of a character that is there.
     void makeSoft(const Json& command);
