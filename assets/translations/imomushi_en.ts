@@ -220,4 +220,14 @@
             </translation>
         </message>
     </context>
+    <context>
+        <name>imomushi::TakeDeck</name>
+        <message numerus="yes">
+            <source>%n element(s) play as drafts: precompute them (P) for what their settings ask for.</source>
+            <translation>
+                <numerusform>%n element plays as a draft: precompute it (P) for what its settings ask for.</numerusform>
+                <numerusform>%n elements play as drafts: precompute them (P) for what their settings ask for.</numerusform>
+            </translation>
+        </message>
+    </context>
 </TS>

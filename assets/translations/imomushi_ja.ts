@@ -679,6 +679,10 @@
             <source>The frames of “%1” are not evenly spaced, which PC2 needs. Choose a frame rate.</source>
             <translation>「%1」のフレームは等間隔ではありません。PC2 には等間隔が必要です。フレームレートを選んでください。</translation>
         </message>
+        <message>
+            <source>“%1” goes out as a draft. Precompute it for what its settings ask for.</source>
+            <translation>「%1」は下書きのまま書き出されます。設定どおりにするには前計算してください。</translation>
+        </message>
     </context>
     <context>
         <name>Errors</name>
@@ -2031,6 +2035,38 @@
             <source>Drag: pull the body here</source>
             <translation>ドラッグ：ここで体を引っぱる</translation>
         </message>
+        <message>
+            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴を起こしておく · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Stretched as far as it goes</source>
+            <translation>これ以上は伸びません</translation>
+        </message>
+        <message>
+            <source>Pressed together as far as it goes</source>
+            <translation>これ以上は縮みません</translation>
+        </message>
+        <message>
+            <source>Bent as far as it goes</source>
+            <translation>これ以上は曲がりません</translation>
+        </message>
+        <message>
+            <source>Out of reach</source>
+            <translation>届きません</translation>
+        </message>
+        <message>
+            <source>“%1” is held where it stands, so that handles bend it.</source>
+            <translation>「%1」は立っている所で支えられています。ハンドルで曲げられます。</translation>
+        </message>
+        <message>
+            <source>Let it go</source>
+            <translation>支えを外す</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::Autosave</name>
@@ -2131,6 +2167,18 @@
         <message>
             <source>Only where a pose calls for it</source>
             <translation>ポーズに必要なところだけ</translation>
+        </message>
+        <message>
+            <source>Only on what comes near</source>
+            <translation>近づいたものだけ</translation>
+        </message>
+        <message>
+            <source>Elements are precomputed for it when they first come near others, and cost nothing before.</source>
+            <translation>要素が初めてほかの要素に近づいたときに前計算されます。それまでは何も費やしません。</translation>
+        </message>
+        <message>
+            <source>Nothing has met yet</source>
+            <translation>まだ何も触れていません</translation>
         </message>
         <message>
             <source>Turns on by itself, element by element, before anything folds. Until then it costs nothing.</source>
@@ -3841,6 +3889,10 @@
             <source>Keys of commands</source>
             <translation>コマンドのキー</translation>
         </message>
+        <message>
+            <source>While dragging the end of a bone: the trunk leans, too, or stays upright</source>
+            <translation>ボーンの端をドラッグ中：胴も傾ける、または起こしておく</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::StudioDocks</name>
@@ -4414,14 +4466,6 @@
             <translation>古くなったものを前計算する (P)：約 %1、%2</translation>
         </message>
         <message>
-            <source>Precomputed</source>
-            <translation>前計算済み</translation>
-        </message>
-        <message>
-            <source>All elements are up to date</source>
-            <translation>すべての要素が最新です</translation>
-        </message>
-        <message>
             <source>State of the precompute: %1</source>
             <translation>前計算の状態：%1</translation>
         </message>
@@ -4434,6 +4478,22 @@
 Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>1 フレームの処理時間（描画を含む）。
 内訳：ボーン %1 ms、関節 %2 ms、表面 %3 ms、法線 %4 ms</translation>
+        </message>
+        <message>
+            <source>Soft as a draft</source>
+            <translation>下書きで柔らかい</translation>
+        </message>
+        <message>
+            <source>Precompute what is a draft (P)</source>
+            <translation>下書きを前計算する（P）</translation>
+        </message>
+        <message>
+            <source>Soft</source>
+            <translation>柔らかい</translation>
+        </message>
+        <message>
+            <source>Precomputed: all elements are up to date</source>
+            <translation>前計算済み：すべての要素が最新です</translation>
         </message>
     </context>
     <context>
@@ -5181,6 +5241,12 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>%1 copy %2</source>
             <comment>name of a take</comment>
             <translation>%1 のコピー %2</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n element(s) play as drafts: precompute them (P) for what their settings ask for.</source>
+            <translation>
+                <numerusform>%n 個の要素は下書きのまま再生されます。設定どおりにするには前計算してください（P）。</numerusform>
+            </translation>
         </message>
     </context>
     <context>

@@ -148,6 +148,8 @@ Result<ExportPlan> planExport(Session& session, const Json& arguments) {
         plan.scene.colors.push_back(element.color);
         if (!element.faces.empty() && !session.responses().fittingOf(id))
             plan.warnings.push_back({"not-precomputed", element.name, "\"" + element.name + "\" is not precomputed and follows its bones rigidly: precompute it first."});
+        else if (session.responses().isDraft(id))
+            plan.warnings.push_back({"draft", element.name, "\"" + element.name + "\" goes out as a draft: precompute it for what its settings ask for."});
     }
     for (const PartId id : shown.characters) {
         const CharacterSource& source = *document.characters.at(id);

@@ -12,6 +12,7 @@
 #include "core/character/contact_job.h"
 #include "core/document/session.h"
 #include "tests/character/caterpillar.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 
@@ -65,6 +66,7 @@ OnGround onGround(const CommandRegistry& registry, const std::vector<std::string
         if (const auto done = session.execute(command); !done) std::fprintf(stderr, "%s\n", done.error().message.c_str());
     };
     good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}});
+    for (const auto& line : plainLines("caterpillar")) good(line);
     double low = 1e30, high = -1e30;
     for (const auto& [id, element] : session.document().elements) {
         low = std::min(low, element->mesh->body.vertices.col(1).minCoeff());

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "core/document/session.h"
 #include "core/mesh/topology.h"
 #include "tests/character/full_joints.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 
@@ -33,6 +35,7 @@ CharacterInput sample(const std::string& path) {
         std::fprintf(stderr, "%s\n", opened.error().message.c_str());
         std::exit(1);
     }
+    for (const auto& line : plainLines(std::filesystem::path(path).stem().string())) (void)session.execute(line);
     return session.character()->input();
 }
 

@@ -20,9 +20,11 @@
 #include "tests/io/glb.h"
 #include "tests/support/folder.h"
 #include "tests/support/left_out.h"
+#include "tests/support/plain_sample.h"
 #include "tests/support/shapes.h"
 
 using Json = nlohmann::ordered_json;
+using imomushi::plainLines;
 
 namespace {
 
@@ -104,7 +106,9 @@ std::vector<Json> exportSample(const Sample& sample, const std::vector<Json>& ex
         const double size = opened[1]["value"]["high"][1].get<double>() - opened[1]["value"]["low"][1].get<double>();
         drags.push_back({{"do", "drag"}, {"endpoint", end}, {"to", {at[0].get<double>() + 0.1 * size, at[1].get<double>() + 0.1 * size, at[2].get<double>() + 0.2 * size}}, {"seconds", 0.5}});
     }
-    std::vector<Json> lines = {{{"do", "open"}, {"path", project}}, {{"do", "write-mesh"}, {"path", "rest.obj"}, {"state", "rest"}}, {{"do", "record"}, {"take", "t"}, {"action", "start"}}};
+    std::vector<Json> lines = {{{"do", "open"}, {"path", project}}, {{"do", "write-mesh"}, {"path", "rest.obj"}, {"state", "rest"}}};
+    for (const Json& line : plainLines(sample.name)) lines.push_back(line);
+    lines.push_back({{"do", "record"}, {"take", "t"}, {"action", "start"}});
     lines.insert(lines.end(), drags.begin(), drags.end());
     lines.push_back({{"do", "step"}, {"frames", kFrames}});
     lines.push_back({{"do", "record"}, {"take", "t"}, {"action", "stop"}});
@@ -420,8 +424,10 @@ TEST_CASE("clients: a character that was made soft goes to Blender as what the s
 
 TEST_CASE("clients: FBX files are made by Blender and come back from it as they were, or are refused with the reason") {
     const bool there = hasBlender();
-    std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}, {{"do", "record"}, {"take", "t"}, {"action", "start"}}, samples()[0].drags[0],
-                               {{"do", "step"}, {"frames", kFrames}}, {{"do", "record"}, {"take", "t"}, {"action", "stop"}}};
+    std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}};
+    for (const Json& line : plainLines("caterpillar")) lines.push_back(line);
+    for (const Json& line : {Json{{"do", "record"}, {"take", "t"}, {"action", "start"}}, samples()[0].drags[0], Json{{"do", "step"}, {"frames", kFrames}}, Json{{"do", "record"}, {"take", "t"}, {"action", "stop"}}})
+        lines.push_back(line);
     if (!there) {
         std::ofstream script(folder() / "script.jsonl");
         lines.push_back(exported("a.fbx", "baked"));
@@ -441,8 +447,11 @@ TEST_CASE("clients: FBX files are made by Blender and come back from it as they 
 TEST_CASE("clients: the driver for three.js follows a drag as the studio does, and the driver for Godot computes the same") {
     if (!hasNode()) return;
     exportSample(samples()[0], {exported("rigged.glb", "rigged")});
-    std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}, {{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {0.72, 1.0, 0.62}}},
-                               {{"do", "write-mesh"}, {"path", "pose.obj"}}};
+    std::vector<Json> lines = {{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}};
+    for (const Json& line : plainLines("caterpillar")) lines.push_back(line);
+    lines.push_back({{"do", "drag"}, {"endpoint", "head-bone/end"}, {"to", {0.72, 1.0, 0.62}}});
+    lines.push_back({{"do", "write-mesh"}, {"path", "pose.obj"}});
+    const std::size_t measured = lines.size();
     std::vector<std::string> names;
     const Json file = contentOf("rigged.glb");
     for (const Json& node : file["nodes"])
@@ -452,7 +461,7 @@ TEST_CASE("clients: the driver for three.js follows a drag as the studio does, a
     for (const std::string& name : names) lines.push_back({{"do", "measure"}, {"what", "position"}, {"endpoint", name}});
     const auto answers = perform(lines);
     Json drag;
-    for (std::size_t i = 0; i < names.size(); ++i) drag[names[i]] = answers[3 + i]["value"];
+    for (std::size_t i = 0; i < names.size(); ++i) drag[names[i]] = answers[measured + i]["value"];
     inThree(Json::array({{{"file", "rigged.glb"}, {"rest", "rest.obj"}, {"tolerance", kLive}, {"drag", drag}, {"positions", "pose.obj"}}}));
     int status = 0;
     const std::string out = run("node '" IMOMUSHI_CLIENTS "/check_godot.js' '" IMOMUSHI_DRIVERS "/godot.gd' rigged.glb", status);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/document/workbench.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 
@@ -15,6 +16,7 @@ namespace {
 struct Floor {
     Floor(const std::shared_ptr<ResponseStore>& store, const std::vector<std::string>& others, int frames) : w(store) {
         w.good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}});
+        for (const Json& line : plainLines("caterpillar")) w.good(line);
         for (const auto& [id, element] : w.session.document().elements) {
             const Points& rest = element->mesh->body.vertices;
             low = low.cwiseMin(rest.colwise().minCoeff().transpose());

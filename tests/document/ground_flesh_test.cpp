@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/document/workbench.h"
+#include "tests/support/plain_sample.h"
 #include "tests/support/thorough.h"
 
 using namespace imomushi;
@@ -19,6 +20,7 @@ namespace {
 struct OnGround {
     explicit OnGround(const std::string& sample, std::initializer_list<const char*> effects) {
         w.good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/" + sample + ".imomushi"}});
+        for (const Json& line : plainLines(sample)) w.good(line);
         for (const auto& [id, element] : w.session.document().elements) {
             const Points& rest = element->mesh->body.vertices;
             low = low.cwiseMin(rest.colwise().minCoeff().transpose());

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/document/workbench.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 
@@ -127,6 +128,7 @@ TEST_CASE("effects: every sample survives the same") {
         SUBCASE(sample.c_str()) {
             Workbench w;
             w.good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/" + sample + ".imomushi"}});
+            for (const Json& line : plainLines(sample)) w.good(line);
             soak(w, asked ? all() : kReady, 2, soakFrames(200));
         }
     }

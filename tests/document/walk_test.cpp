@@ -4,6 +4,7 @@
 #include <random>
 
 #include "tests/document/workbench.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 
@@ -75,6 +76,7 @@ TEST_CASE("caterpillar: a random walk of 10,000 drags stays finite and closed, m
     for (const int threads : {1, 2}) {
         Workbench w;
         w.good({{"do", "open"}, {"path", sample.string()}});
+        for (const Json& line : plainLines("caterpillar")) w.good(line);
         w.good({{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", threads}});
         const Json bounds = w.good({{"do", "measure"}, {"what", "bounds"}})["value"];
         const double length = bounds["high"][0].get<double>() - bounds["low"][0].get<double>();

@@ -26,6 +26,7 @@
 #include "core/mesh/topology.h"
 #include "core/mesh/cgal/intersections.h"
 #include "tests/support/folder.h"
+#include "tests/support/plain_sample.h"
 
 using namespace imomushi;
 using Json = nlohmann::ordered_json;
@@ -140,9 +141,11 @@ TEST_CASE("samples: the script beside the meshes makes what the project file hol
             const TestFolder work;
             opened[i] = run(work, {{{"do", "open"}, {"path", files[i].string()}}, {{"do", "write-mesh"}, {"path", (folder / ("rest" + std::to_string(i) + ".obj")).string()}, {"state", "rest"}}});
             const std::string tip = opened[i][0]["bones"].back()["name"].get<std::string>() + "/end";
-            run(work, {{{"do", "open"}, {"path", files[i].string()}},
-                       {{"do", "drag"}, {"endpoint", tip}, {"to", {0.3, 0.9, 0.4}}},
-                       {{"do", "write-mesh"}, {"path", (folder / ("posed" + std::to_string(i) + ".obj")).string()}, {"state", "current"}}});
+            std::vector<Json> lines = {{{"do", "open"}, {"path", files[i].string()}}};
+            for (const Json& line : plainLines(name)) lines.push_back(line);
+            lines.push_back({{"do", "drag"}, {"endpoint", tip}, {"to", {0.3, 0.9, 0.4}}});
+            lines.push_back({{"do", "write-mesh"}, {"path", (folder / ("posed" + std::to_string(i) + ".obj")).string()}, {"state", "current"}});
+            run(work, lines);
         }
         CHECK(opened[0][0] == opened[1][0]);
         CHECK(readFile(folder / "rest0.obj") == readFile(folder / "rest1.obj"));
@@ -299,6 +302,7 @@ TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, wit
             return *answer;
         };
         good({{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}});
+        for (const Json& line : plainLines(sample.name)) good(line);
         std::vector<std::string> names;
         for (const auto& [id, element] : session.document().elements) names.push_back(element->name);
         for (const std::string& name : names) good({{"do", "set"}, {"target", name}, {"property", "solver-mesh"}, {"value", "as-is"}});
@@ -346,6 +350,7 @@ TEST_CASE("samples: flesh of each preset sags as far as the preset says, whateve
             return *answer;
         };
         good({{"do", "open"}, {"path", (kSamples / (std::string(sample.name) + ".imomushi")).string()}});
+        for (const Json& line : plainLines(sample.name)) good(line);
         good({{"do", "enable"}, {"effect", "gravity"}});
         std::vector<std::string> names;
         for (const auto& [id, element] : session.document().elements) names.push_back(element->name);
@@ -382,6 +387,7 @@ TEST_CASE("figure: a hand that is twisted twice round turns its arm, and not the
             return *answer;
         };
         good({{"do", "open"}, {"path", (kSamples / "figure.imomushi").string()}});
+        for (const Json& line : plainLines("figure")) good(line);
         if (dynamics) good({{"do", "enable"}, {"effect", "bone-dynamics"}});
         const auto turnOf = [&](const char* element) {
             return Eigen::Quaterniond(session.character()->frame(session.elementIndex(session.document().elementNamed(element)->id)).linear());
@@ -417,6 +423,7 @@ TEST_CASE("figure: with stiff bones in trunk and legs a hand that is pulled by a
             return *answer;
         };
         good({{"do", "open"}, {"path", (kSamples / "figure.imomushi").string()}});
+        for (const Json& line : plainLines("figure")) good(line);
         const Vec3 hand(1.021725, 0.758997, 0.08016);
         const double pulled = 0.1 * 2.1;  // the figure is 2.06 m high, to the top of its bones
         if (stiff)
@@ -452,6 +459,7 @@ TEST_CASE("figure: a foot that is pinned with its orientation stays as it points
     const auto session = [&](bool dynamics) {
         auto made = std::make_unique<Session>(registry);
         REQUIRE(made->execute({{"do", "open"}, {"path", (kSamples / "figure.imomushi").string()}}));
+        for (const Json& line : plainLines("figure")) REQUIRE(made->execute(line));
         if (dynamics) REQUIRE(made->execute({{"do", "enable"}, {"effect", "bone-dynamics"}}));
         return made;
     };
@@ -546,6 +554,7 @@ TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more t
     addCoreCommands(registry);
     Session session(registry);
     REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}).has_value());
+    for (const Json& line : plainLines("caterpillar")) REQUIRE(session.execute(line).has_value());
     std::vector<std::vector<float>> before;
     float largest = 0, sum = 0;  // of squared moves, m^2
     double reach = 0;
@@ -582,6 +591,7 @@ TEST_CASE("caterpillar: a random walk of 10,000 steps headless is finite and clo
     const auto script = [&](int threads) {
         std::vector<Json> lines = {{{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}},
                                    {{"do", "set"}, {"target", "character"}, {"property", "threads"}, {"value", threads}}};
+        for (const Json& line : plainLines("caterpillar")) lines.push_back(line);
         int frame = 0;
         for (const Vec3& target : randomWalk()) {
             lines.push_back(dragTo(target));
@@ -612,6 +622,7 @@ TEST_CASE("caterpillar: rolled up and back in 600 frames the automatic bend warp
     addCoreCommands(registry);
     Session session(registry);
     REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}));
+    for (const Json& line : plainLines("caterpillar")) REQUIRE(session.execute(line));
     struct Run {
         double step = 0.0;
         std::vector<double> ms, straightMs;

@@ -8,6 +8,7 @@
 
 #include "tests/document/workbench.h"
 #include "tests/render/picture.h"
+#include "tests/support/plain_sample.h"
 #include "ui/render/gpu_deformer.h"
 #include "ui/render/image.h"
 #include "ui/render/offscreen.h"
@@ -66,6 +67,7 @@ TEST_CASE("gpu: samples have the same vertices and pictures, whoever deforms the
         const fs::path file = fs::path(IMOMUSHI_SAMPLES) / (name + ".imomushi");
         const auto opened = session.execute({{"do", "open"}, {"path", file.string()}});
         REQUIRE_MESSAGE(opened.has_value(), (opened ? "" : opened.error().message));
+        for (const auto& line : plainLines(name)) REQUIRE(session.execute(line));
         // Something bent: the end of the first bone that has nothing after it is drawn aside.
         const Document& document = session.document();
         REQUIRE(session.character());

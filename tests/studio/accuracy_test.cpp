@@ -14,6 +14,7 @@
 
 #include "core/document/accuracy_commands.h"
 #include "tests/studio/window.h"
+#include "tests/support/plain_sample.h"
 #include "ui/models/recent_files.h"
 #include "ui/panels/accuracy/accuracy_errors.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
@@ -32,6 +33,7 @@ struct Studied : Window {
     explicit Studied(QSize size = {1560, 960}) : Window(size) {
         qputenv("XDG_CACHE_HOME", folder.path().toUtf8());  // where studies are kept: none is known yet
         open(samples()[0].path);
+        for (const Json& line : plainLines(samples()[0].name.toStdString())) run(line);
         auto* dock = window().findChild<QDockWidget*>(QStringLiteral("accuracyDock"));
         REQUIRE(dock);
         dock->show();

@@ -4,6 +4,7 @@
 #include <QSignalSpy>
 
 #include "tests/studio/window.h"
+#include "tests/support/plain_sample.h"
 #include "core/document/pose_check.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/recent_files.h"
@@ -23,6 +24,7 @@ namespace {
 struct Effective : Window {
     explicit Effective(int sample = 0) {
         open(samples()[sample].path);
+        for (const Json& line : plainLines(samples()[sample].name.toStdString())) run(line);
         window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
         trigger("tool-pose");
         view().setFocus();

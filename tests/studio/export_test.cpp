@@ -7,6 +7,7 @@
 #include <QSettings>
 
 #include "tests/studio/window.h"
+#include "tests/support/plain_sample.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/jobs/export_job.h"
 #include "ui/models/recent_files.h"
@@ -24,6 +25,7 @@ struct Exporting : Window {
     explicit Exporting(bool withTake = true) {
         QSettings().remove(QStringLiteral("export"));
         Window::open(samples()[0].path);
+        for (const Json& line : plainLines(samples()[0].name.toStdString())) run(line);
         if (withTake) {
             run({{"do", "record"}, {"take", "wave"}, {"action", "start"}});
             const auto& [id, bone] = *now().bones.rbegin();

@@ -7,6 +7,7 @@
 #include <QToolButton>
 
 #include "tests/studio/window.h"
+#include "tests/support/plain_sample.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"
 #include "ui/panels/takes_panel.h"
@@ -24,6 +25,7 @@ constexpr double kPixel = 0.005;  ///< m: about one pixel of the view, where the
 struct TakeWindow : Window {
     TakeWindow() : Window({1280, 800}) {  // every frame is drawn without a graphics card: half the pixels, half the time
         open(samples()[0].path);
+        for (const Json& line : plainLines(samples()[0].name.toStdString())) run(line);
         trigger("tool-pose");
         view().setFocus();
         settle();

@@ -5,6 +5,8 @@
 #include <QLineEdit>
 #include <QMessageBox>
 #include <QTabWidget>
+#include <cmath>
+#include <numbers>
 
 #include "tests/studio/window.h"
 #include "ui/dialogs/preferences_dialog.h"
@@ -29,12 +31,70 @@ TEST_CASE("studio: samples open in one click and are ready to be dragged") {
         CHECK(!w.document().session().modified());
         // Saving a sample asks for a file of one's own: it never writes into the program's.
         CHECK(isSample(sample.path));
-        w.trigger("tool-pose");
+        // With the hand that drags, and alive.
+        CHECK(w.view().tool() == ToolKind::Pose);
+        for (const EffectKind kind : {EffectKind::BendWarp, EffectKind::SmoothJoints, EffectKind::BoneDynamics}) CHECK(w.now().effects.has(kind));
+        CHECK(!w.document().session().moving());
         w.shoot(qPrintable(QStringLiteral("sample-") + sample.name));
     }
     Window w;
     w.settle();
     w.shoot("start-pictures");
+}
+
+TEST_CASE("studio: two mouse actions lead from the start of the program to a bent limb: a click on a sample, and its hand drawn by the flesh") {
+    for (const char* language : {"en", "ja"}) {
+        CAPTURE(language);
+        Window w;
+        Appearance::instance().setLanguage(QLatin1String(language));
+        w.settle();
+        REQUIRE(w.window().startShown());
+        w.shoot(qPrintable(QStringLiteral("first-touch-start-") + QLatin1String(language)));
+        auto* tile = w.window().findChild<QAbstractButton*>(QStringLiteral("sample-figure"));
+        REQUIRE(tile);
+        QTest::mouseClick(tile, Qt::LeftButton);
+        waitFor([&] { return !w.window().startShown() && !w.now().bones.empty() && w.view().isVisible(); });
+        w.cameraStands();
+
+        Session& session = w.document().session();
+        const auto at = [&](const char* end) { return *session.positionOf(*w.now().endpoint(end)); };
+        const auto elbow = [&] {
+            const Vec3 upper = at("upper-arm-bone.L/end") - at("upper-arm-bone.L/start"), lower = at("lower-arm-bone.L/end") - at("lower-arm-bone.L/start");
+            return std::atan2(upper.cross(lower).norm(), upper.dot(lower)) * 180.0 / std::numbers::pi;
+        };
+        const double straight = elbow();
+        const Vec3 foot = at("foot-bone.L/end");
+        // The flesh of the hand, away from the ends of its bone.
+        const QPoint from = w.onScreen(0.5 * (at("hand-bone.L/start") + at("hand-bone.L/end")));
+        QTest::mouseMove(&w.view(), from);
+        w.settle();
+        QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+        for (int i = 1; i <= 12; ++i) {
+            QTest::mouseMove(&w.view(), from + QPoint(-10 * i, -12 * i));
+            w.settle();
+        }
+        waitFor([&] { return elbow() > straight + 20.0; });
+        w.shoot(qPrintable(QStringLiteral("first-touch-bent-") + QLatin1String(language)));
+        // B has the trunk lean with the limb, and stand again, without letting go.
+        const double follows = w.now().settings.bodyFollows;
+        REQUIRE(follows > 0.0);
+        QTest::keyClick(&w.view(), Qt::Key_B);
+        w.settle();
+        CHECK(w.now().settings.bodyFollows == 0.0);
+        CHECK(w.view().busy());
+        QTest::keyClick(&w.view(), Qt::Key_B);
+        w.settle();
+        CHECK(w.now().settings.bodyFollows == follows);
+        // Far out of reach: a word beside the pointer, a colour at the limb.
+        QTest::mouseMove(&w.view(), QPoint(20, 20));
+        w.settle();
+        w.settle();
+        w.shoot(qPrintable(QStringLiteral("first-touch-limit-") + QLatin1String(language)));
+        QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(-120, -144));
+        w.settle();
+        CHECK((at("foot-bone.L/end") - foot).norm() < 0.02);
+        CHECK(cutOff(w.window()) == "");
+    }
 }
 
 TEST_CASE("studio: the start page leads three ways, by mouse and by keyboard, in every language") {

@@ -175,6 +175,9 @@ void TakeDeck::setPlaying(bool playing) {
     const Take* chosen = take();
     if (recording_ || !chosen || playing == playing_) return;
     playing_ = playing && play(time_ >= from_ && time_ < to_ ? time_ : from_);
+    const Document& d = document_.document();
+    const auto drafts = std::count_if(d.elements.begin(), d.elements.end(), [this](const auto& e) { return document_.session().responses().isDraft(e.first); });
+    if (playing_ && drafts > 0) Q_EMIT said(tr("%n element(s) play as drafts: precompute them (P) for what their settings ask for.", nullptr, int(drafts)));
     Q_EMIT changed();
 }
 

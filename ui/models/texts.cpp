@@ -166,6 +166,7 @@ const std::map<std::string, const char*> kErrors = {
 // As with errors; %1 is the name that it is about.
 const std::map<std::string, const char*> kWarnings = {
     {"not-precomputed", QT_TRANSLATE_NOOP("Warnings", "“%1” is not precomputed and follows its bones rigidly. Precompute it first.")},
+    {"draft", QT_TRANSLATE_NOOP("Warnings", "“%1” goes out as a draft. Precompute it for what its settings ask for.")},
     {"poses-only", QT_TRANSLATE_NOOP("Warnings", "The character is not what it was when “%1” was recorded. Its poses are written without what effects added.")},
     {"texture-format", QT_TRANSLATE_NOOP("Warnings", "The texture “%1” is neither PNG nor JPEG, which glTF needs, and was left out.")},
     {"uneven-frames", QT_TRANSLATE_NOOP("Warnings", "The frames of “%1” are not evenly spaced, which PC2 needs. Choose a frame rate.")},

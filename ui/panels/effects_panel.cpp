@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/document/effect_meetings.h"
 #include "core/document/pose_check.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
@@ -319,16 +320,18 @@ void EffectsPanel::buildSettings(EffectKind effect) {
 }
 
 void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
-    auto* box = named(new QCheckBox(tr("Only where a pose calls for it"), r.settings), "automatic");
-    box->setToolTip(tr("Turns on by itself, element by element, before anything folds. Until then it costs nothing."));
+    const bool meets = canWait(effect);
+    auto* box = named(new QCheckBox(meets ? tr("Only on what comes near") : tr("Only where a pose calls for it"), r.settings), "automatic");
+    box->setToolTip(meets ? tr("Elements are precomputed for it when they first come near others, and cost nothing before.")
+                          : tr("Turns on by itself, element by element, before anything folds. Until then it costs nothing."));
     grid.addWidget(box, grid.rowCount(), 0, 1, 2);
-    connect(box, &QCheckBox::clicked, this, [this, effect](bool automatic) {
+    connect(box, &QCheckBox::clicked, this, [this, effect, meets](bool automatic) {
         // On the elements that it has: naming one of them keeps the others.
         const Document& d = document_.document();
         const auto& chosen = d.effects[effect].elements;
         std::optional<std::string> target;
         for (const auto& [id, element] : d.elements)
-            if (chosen.contains(id)) target = element->name;
+            if (chosen.contains(id) && !meets) target = element->name;
         document_.execute(commands::enable(effect, target, automatic));
         refresh();
     });
@@ -372,6 +375,13 @@ void EffectsPanel::buildOffer(EffectKind effect) {
     });
 }
 
+void EffectsPanel::forgetOffers() {
+    for (Row& r : rows_) {
+        r.dismissed = false;
+        if (r.offer) r.offer->hide();
+    }
+}
+
 void EffectsPanel::compare(EffectKind effect, bool on) {
     comparison_.reset();
     if (!on) return;
@@ -390,6 +400,8 @@ void EffectsPanel::checkPose() {
         const bool wanted = mend == effect && !r.dismissed && !document_.document().effects.has(effect);
         if (wanted && !r.offer) buildOffer(effect);
         if (!r.offer) continue;
+        // It stays until it is answered, also where the pose does not call for it any more.
+        if (!wanted && !r.dismissed && !document_.document().effects.has(effect) && r.offer->isVisibleTo(this)) continue;
         if (wanted) {
             const auto first = std::find_if(findings->begin(), findings->end(), [&](const PoseFinding& f) { return f.mend == effect; });
             r.offerText->setText(findingText(first->kind, first->measure));
@@ -466,7 +478,9 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
         const Document& d = document_.document();
         const auto& chosen = d.effects[effect].elements;
         const auto some = std::count_if(d.elements.begin(), d.elements.end(), [&](const auto& e) { return chosen.contains(e.first); });
-        button->setText(chosen.empty() ? tr("All elements") : tr("%1 of %2 elements").arg(some).arg(d.elements.size()));
+        const bool waits = waitsToMeet(d.effects, effect);
+        button->setEnabled(!waits);  // it finds them by itself
+        button->setText(!chosen.empty() ? tr("%1 of %2 elements").arg(some).arg(d.elements.size()) : waits ? tr("Nothing has met yet") : tr("All elements"));
     });
 }
 

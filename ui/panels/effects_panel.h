@@ -33,6 +33,8 @@ public:
     ~EffectsPanel() override;
     /// Brings the row of an effect into sight.
     void reveal(EffectKind effect);
+    /// Another project: what was offered or dismissed was so for the last one.
+    void forgetOffers();
     /// What effects cost, on or off now.
     void setCosts(const std::array<EffectCost, kEffects>& costs);
 

@@ -6,6 +6,7 @@
 
 #include "core/base/hash.h"
 #include "core/character/deform_input.h"
+#include "core/document/bone_limits.h"
 #include "core/document/character_input.h"
 #include "core/document/seam.h"
 #include "ui/scene/rim.h"
@@ -231,6 +232,8 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
     };
     std::vector<Point> points;
     std::map<int, std::size_t> byJoint;
+    // Limits are seen where somebody pulls, in the colour of a warning.
+    const bool pulled = std::any_of(document.goals.begin(), document.goals.end(), [](const auto& goal) { return !goal.second.pinned; });
     for (const auto& [id, bone] : document.bones) {
         const auto from = position(*bone, false), to = position(*bone, true);
         if (!from || !to) continue;
@@ -241,6 +244,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
         marker.to = *to;
         marker.selected = options.isSelected(marker.id);
         marker.hovered = options.hovered == marker.id;
+        marker.refused = character && pulled && limitOf(session.plan().input.skeleton, pose, session.plan().boneIndex(id)) != BoneLimit::None;
         scene.markers.push_back(marker);
         for (const bool atEnd : {false, true}) {
             const EndpointRef end{id, atEnd};

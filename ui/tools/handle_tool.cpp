@@ -57,11 +57,30 @@ void HandleTool::press(const PointerEvent& e) {
         return;
     }
     const PartId id = of->id;
-    const auto made = document_.execute(commands::addHandle(of->name, hit_->rest, radius(*of)));
+    const auto made = make(*of);
     preview(std::nullopt);
     if (!made) return;
-    grip_ = PoseGrip{{}, {id, made->at("name").get<std::string>()}};
+    grip_ = PoseGrip{{}, {id, *made}};
     pose_.grab(*grip_, e);
+}
+
+std::optional<std::string> HandleTool::make(const Element& of) {
+    const std::string element = of.name;
+    Gesture gesture(document_);
+    Json command = commands::addHandle(element, hit_->rest, radius(of));
+    if (of.faces.empty()) command["hold"] = true;
+    const auto made = document_.execute(command);
+    if (!made) return std::nullopt;
+    const std::string name = made->at("name").get<std::string>();
+    const Json held = made->value("held", Json::array());
+    // What is pulled far keeps its volume.
+    if (!held.empty() && !document_.document().effects.has(EffectKind::BendWarp)) document_.execute(commands::enable(EffectKind::BendWarp, {}, true));
+    gesture.commit({"handle", name});
+    if (held.empty()) return name;
+    Json letGo = Json::array();
+    for (const Json& one : held) letGo.push_back(commands::removeHandle(one.get<std::string>()));
+    Q_EMIT document_.offered(ToolTexts::tr("“%1” is held where it stands, so that handles bend it.").arg(QString::fromStdString(element)), ToolTexts::tr("Let it go"), letGo);
+    return name;
 }
 
 void HandleTool::move(const PointerEvent& e) {

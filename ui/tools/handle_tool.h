@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "ui/tools/picking.h"
 #include "ui/tools/pose_tool.h"
@@ -32,6 +33,8 @@ private:
     /// Shows what a press would make at a place; none: nothing.
     void preview(const std::optional<RayHit>& hit);
     void grow(int steps);
+    /// The handle under the pointer. The first one on a body that nothing holds has it held where it stands. Its name.
+    std::optional<std::string> make(const Element& of);
     [[nodiscard]] double radius(const Element& element) const;  ///< m
     [[nodiscard]] const Element* element() const;
 

@@ -281,6 +281,10 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
         turning_ = true;
         return true;
     }
+    if (key == Qt::Key_B && !drag_->end.isHandle()) {
+        toggleFollowing();
+        return true;
+    }
     if (key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z) {
         const int axis = key - Qt::Key_X;
         drag_->axis = drag_->axis == axis ? -1 : axis;
@@ -300,6 +304,7 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
 bool PoseTool::wants(int key) const {
     if (key == Qt::Key_P) return drag_ || hovered_;
     if (key == Qt::Key_K) return letGo_ || (drag_ && drag_->passing);
+    if (key == Qt::Key_B) return drag_ && !drag_->end.isHandle();
     return drag_ && (key == Qt::Key_R || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z);
 }
 
@@ -310,6 +315,13 @@ void PoseTool::keyReleased(int key) {
 void PoseTool::toggle(const PoseGrip& grip) {
     const Document& d = document_.document();
     document_.execute(commands::setPinned(pathOf(d, grip), !isPinned(d, grip)));
+}
+
+void PoseTool::toggleFollowing() {
+    const double now = document_.document().settings.bodyFollows;
+    if (now > 0.0) drag_->follows = now;
+    if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
+    if (document_.execute(commands::set(commands::character::kTarget, commands::character::kBodyFollows, now > 0.0 ? 0.0 : drag_->follows))) issue(*last_);
 }
 
 void PoseTool::cancel() {
@@ -325,7 +337,10 @@ QString PoseTool::hint() const {
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
                                     : ToolTexts::tr("Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
-    if (drag_) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
+    if (drag_ && drag_->end.isHandle()) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
+    if (drag_)
+        return document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
+                                                               : ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel");
     const Document& d = document_.document();
     if (letGo_) return ToolTexts::tr("K: bring the temporary handle back and keep it");
     if (overFlesh_) return ToolTexts::tr("Drag: pull the body here");

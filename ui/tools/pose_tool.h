@@ -11,7 +11,7 @@
 namespace imomushi {
 
 /// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
-/// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go. Flesh
+/// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go; B has the trunk follow from the first, or not. Flesh
 /// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
 /// Attached parts are turned about their pivots.
 class PoseTool : public Tool {
@@ -63,6 +63,7 @@ private:
         std::optional<double> roll;       ///< of a bone's end, radians; none: never turned
         Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
         std::optional<Passing> passing;
+        double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
     };
     /// A passing handle that went, and where it was let go.
     struct LetGo {
@@ -84,6 +85,8 @@ private:
     void turn(const PointerEvent& e);
     void issue(const PointerEvent& e);
     void toggle(const PoseGrip& grip);
+    /// The trunk stays upright until the limb needs it, or leans with the limb from the first.
+    void toggleFollowing();
 
     PartDrag part_;
     ToolOptions options_;

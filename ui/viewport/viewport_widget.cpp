@@ -16,6 +16,7 @@
 #include "ui/render/offscreen.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/proposal_tool.h"
+#include "ui/viewport/limit_words.h"
 #include "ui/viewport/view_overlay.h"
 #include "ui/widgets/appearance.h"
 
@@ -468,6 +469,8 @@ void ViewportWidget::paint() {
     auto box = tool_->box();
     if (const double scale = Appearance::instance().scale(); box) box = QRectF(box->topLeft() * scale, box->size() * scale);
     ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tool_->banner(), deck_, overlapped(), at_}.paint(painter, document_);
+    for (const LimitWord& word : limitWords(document_.session()))
+        if (const auto at = onScreen(word.at)) ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), {}, {}, nullptr, word.text, *at}.paint(painter, document_);
     painter.end();
 
     if (fade_.active()) redraw();

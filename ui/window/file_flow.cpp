@@ -187,6 +187,7 @@ bool FileFlow::open(const QString& path) {
     if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
     recent_.add(path);
     Q_EMIT opened();
+    if (isSample(path)) Q_EMIT performable();
     return true;
 }
 

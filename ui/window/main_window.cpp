@@ -209,6 +209,7 @@ void MainWindow::connectFiles() {
         steps_->cancel();
         rigs_->job().cancel();
         proposals_->cancel();
+        effects().forgetOffers();
         showStart(false);
         viewport_->frameAll(false);
         keepPicture();

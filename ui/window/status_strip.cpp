@@ -113,20 +113,24 @@ void StatusStrip::update() {
     mouse_->setPixmap(themedIcon(QStringLiteral("mouse"), Appearance::Role::Muted).pixmap(QSize(px(16), px(16)), devicePixelRatioF()));
     state_->setIconSize(QSize(px(16), px(16)));
     setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    setMinimumHeight(px(32));  // with and without the sign of the precompute
     // Fixed widths, so that nothing jumps while numbers change.
     ms_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000.00 ms")) + px(4));
     fps_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("000 fps")) + px(4));
-    int stale = 0, all = 0;
+    int stale = 0, all = 0, drafts = 0;
     for (const auto& [id, element] : document_.document().elements) {
         if (element->faces.empty()) continue;
         ++all;
         if (document_.session().responseState(id) != Session::ResponseState::Fresh) ++stale;
+        if (document_.session().responses().isDraft(id)) ++drafts;
     }
     state_->setVisible(all > 0 || !busy_.isEmpty());
     if (!busy_.isEmpty()) {
         state_->setIcon(themedIcon(QStringLiteral("precompute"), Appearance::Role::Accent));
         state_->setText(busy_);
+    } else if (stale > 0 && stale == drafts) {
+        state_->setIcon(themedIcon(QStringLiteral("stale"), Appearance::Role::Muted));
+        state_->setText(tr("Soft as a draft"));
+        state_->setToolTip(tr("Precompute what is a draft (P)"));
     } else if (stale > 0) {
         state_->setIcon(themedIcon(QStringLiteral("stale"), Appearance::Role::Warning));
         if (const auto cost = estimate_()) {
@@ -138,10 +142,13 @@ void StatusStrip::update() {
         }
     } else {
         state_->setIcon(themedIcon(QStringLiteral("fresh"), Appearance::Role::Good));
-        state_->setText(tr("Precomputed"));
-        state_->setToolTip(tr("All elements are up to date"));
+        state_->setText(tr("Soft"));
+        state_->setToolTip(tr("Precomputed: all elements are up to date"));
     }
     state_->setAccessibleName(tr("State of the precompute: %1").arg(state_->text()));
+    // As high with as without the sign of the precompute, in languages with higher letters, too.
+    const QMargins around = layout()->contentsMargins();
+    setMinimumHeight(std::max(px(32), around.top() + state_->sizeHint().height() + around.bottom()));
     fps_->setToolTip(tr("Frames per second of the viewport"));
     showFrame();
     makeRoom();

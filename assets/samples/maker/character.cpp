@@ -17,6 +17,7 @@ namespace imomushi::samples {
 
 namespace {
 
+constexpr double kSoles = -0.001;  // m: meshes of feet that stand at 0 reach a little deeper
 constexpr double kPad = 1.15;  // textures run on past their seam, so that a triangle across it needs no wrapping
 
 /// How a texture lies on an element: u around the pole from the seam, 0...1; v from the pole, 0...1, by angle or along the axis.
@@ -146,6 +147,13 @@ void writeScript(const CharacterSpec& c, const std::filesystem::path& file) {
     }
     for (const auto& p : c.pins) line({{"do", "pin"}, {"endpoint", p}});
     for (const auto& s : c.settings) line(s);
+    line({{"do", "enable"}, {"effect", "bend-warp"}, {"auto", true}});
+    for (const char* effect : {"smooth-joints", "bone-dynamics"}) line({{"do", "enable"}, {"effect", effect}});
+    if (c.stands) {
+        line({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", kSoles}});
+        line({{"do", "enable"}, {"effect", "ground"}});
+        line({{"do", "set"}, {"target", "character"}, {"property", "body-follows"}, {"value", 1}});
+    }
     line({{"do", "precompute"}});
     line({{"do", "save"}, {"path", "../" + c.name + ".imomushi"}});
 }

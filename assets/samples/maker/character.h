@@ -50,6 +50,7 @@ struct CharacterSpec {
     std::vector<JointSpec> joints;
     std::vector<BoneSpec> bones;
     std::vector<std::string> pins;
+    bool stands = false;  ///< on the ground; its trunk stays upright
     std::vector<nlohmann::ordered_json> settings;  ///< script lines before the precompute
     /// Limits the lengths (of the rest length) of all bones whose name holds `part`; later limits win.
     void stretch(double least, double most, const std::string& part);

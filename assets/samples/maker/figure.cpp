@@ -159,7 +159,8 @@ CharacterSpec figure() {
     c.stretch(0.8, 1.3, "");
     c.stretch(0.92, 1.12, "shoulder-bone");
     c.stretch(0.92, 1.12, "hip-bone");
-    c.pins = {"spine-bone/start", "foot-bone.L/end", "foot-bone.R/end"};
+    c.pins = {"foot-bone.L/end", "foot-bone.R/end"};
+    c.stands = true;
     return c;
 }
 
