@@ -34,6 +34,7 @@ struct Studied : Window {
         qputenv("XDG_CACHE_HOME", folder.path().toUtf8());  // where studies are kept: none is known yet
         open(samples()[0].path);
         for (const Json& line : plainLines(samples()[0].name.toStdString())) run(line);
+        panel().show(AccuracyStudy());  // the window is that of the case before: what it shows of now is what it reads from now on
         auto* dock = window().findChild<QDockWidget*>(QStringLiteral("accuracyDock"));
         REQUIRE(dock);
         dock->show();
