@@ -133,7 +133,6 @@ void checkSample(const std::string& sample, const std::vector<std::string>& trun
     w.good({{"do", "open"}, {"path", std::string(IMOMUSHI_SAMPLES) + "/" + sample + ".imomushi"}});
     for (const char* effect : {"bone-dynamics", "ground"})
         if (w.session.document().effects.has(*effectNamed(effect))) w.good({{"do", "disable"}, {"effect", effect}});
-    if (sample == "figure") w.good({{"do", "unpin"}, {"endpoint", "spine-bone/start"}});  // stands on its feet alone
     checkTouch(w, sample, trunk);
 }
 
