@@ -22,7 +22,6 @@ cat >soft.jsonl <<EOF
 {"do": "render", "path": "frames/soft1.png", "width": 800, "height": 800, $camera}
 {"do": "open", "path": "$root/assets/samples/dragon.imomushi"}
 {"do": "render", "path": "frames/soft2.png", "width": 800, "height": 800, "bones": true, $camera}
-{"do": "enable", "effect": "smooth-joints"}
 {"do": "morph", "character": "dragon", "target": "smile", "weight": 1.0}
 {"do": "drag", "endpoint": "arm.L/end", "to": [0.52, 1.42, 0.42]}
 {"do": "drag", "endpoint": "arm.R/end", "to": [-0.62, 0.5, 0.5]}
@@ -32,6 +31,7 @@ cat >soft.jsonl <<EOF
 {"do": "turn-part", "character": "dragon", "part": "wing.R", "rotation": [0.0, 0.0, -0.199, 0.98]}
 {"do": "turn-part", "character": "dragon", "part": "eye.L", "rotation": [0.0, 0.15, 0.0, 0.9887]}
 {"do": "turn-part", "character": "dragon", "part": "eye.R", "rotation": [0.0, 0.15, 0.0, 0.9887]}
+{"do": "step", "frames": 180}
 {"do": "render", "path": "frames/soft3.png", "width": 800, "height": 800, $camera}
 EOF
 # Four frames of a take.
@@ -54,10 +54,12 @@ cat >performance.jsonl <<EOF
 {"do": "render", "path": "frames/wave4.png", "width": 640, "height": 640, $camera}
 EOF
 # A strong bend without the bend warp and with it.
-camera='"camera": {"eye": [0.6, 1.35, 4.2], "target": [-0.05, 0.62, 0.1], "up": [0, 1, 0], "fov": 0.42}'
+camera='"camera": {"eye": [0.5, 1.35, 4.2], "target": [-0.15, 0.62, 0.1], "up": [0, 1, 0], "fov": 0.42}'
 cat >bend-warp.jsonl <<EOF
 {"do": "open", "path": "$root/assets/samples/caterpillar.imomushi"}
+{"do": "disable", "effect": "bend-warp"}
 {"do": "drag", "endpoint": "head-bone/end", "to": [0.1, 1.25, 0.1]}
+{"do": "step", "frames": 240}
 {"do": "render", "path": "frames/warp1.png", "width": 960, "height": 800, $camera}
 {"do": "enable", "effect": "bend-warp"}
 {"do": "step", "frames": 2}

@@ -370,7 +370,7 @@
         </message>
         <message>
             <source>Joints take the shape of least energy: bends without a crease.</source>
-            <translation>関節面が弾性エネルギー最小の形になり、折り目なく曲がります。</translation>
+            <translation>関節がエネルギー最小の形になり、折り目なく曲がります。</translation>
         </message>
         <message>
             <source>Bend warp</source>
@@ -378,7 +378,7 @@
         </message>
         <message>
             <source>Strong bends and twists keep their volume and do not fold.</source>
-            <translation>大きく曲げたりねじったりしても、体積を保ち、折れ込みません。</translation>
+            <translation>強い曲げやねじりでも体積を保ち、折れ込みません。</translation>
         </message>
         <message>
             <source>Joint dynamics</source>
@@ -649,8 +649,8 @@
             <translation>接触で扱える数より多くの場所が押されています。深い場所から支え、ほかは貫通することがあります。</translation>
         </message>
         <message>
-            <source>The target is below the ground: the body stays above it.</source>
-            <translation>目標が床より下にあります。体は床の上に留まります。</translation>
+            <source>The ground keeps something held above its place.</source>
+            <translation>床に支えられ、目標より上に留まっている所があります。</translation>
         </message>
         <message>
             <source>The target is out of reach: the bones stretch no farther.</source>

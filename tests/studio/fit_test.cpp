@@ -9,8 +9,11 @@
 #include <QToolBar>
 
 #include "tests/studio/window.h"
+#include "ui/panels/takes_panel.h"
+#include "ui/panels/time_bar.h"
 #include "ui/viewport/axis_ball.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/choice_card.h"
 #include "ui/window/status_strip.h"
 
 using namespace imomushi;
@@ -95,6 +98,49 @@ TEST_CASE("studio: at 1280 x 720 all tools are seen, in more columns where they 
     int breaks = 0;
     for (auto* bar : w.window().findChildren<QToolBar*>(Qt::FindDirectChildrenOnly)) breaks += w.window().toolBarBreak(bar);
     CHECK(breaks == 0);
+}
+
+TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen, in both languages") {
+    Window w(kSmallest);
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/dragon.imomushi"));
+    auto* dock = w.window().findChild<QDockWidget*>(QStringLiteral("takesDock"));
+    REQUIRE(dock);
+    dock->show();
+    dock->raise();
+    TakesPanel& panel = w.window().takes();
+    const auto hidden = [&] {
+        std::string names;
+        for (const QWidget* part : panel.findChildren<QWidget*>()) {
+            const bool counts = qobject_cast<const QAbstractButton*>(part) || qobject_cast<const QLabel*>(part) || part == panel.bar();
+            if (!counts || !part->isVisible()) continue;
+            if (part->visibleRegion().boundingRect() != part->rect()) names += part->accessibleName().toStdString() + part->objectName().toStdString() + "; ";
+        }
+        return names;
+    };
+    for (const char* language : {"en", "ja"})
+        for (const double scale : {1.0, 1.25, 1.5}) {
+            CAPTURE(language);
+            CAPTURE(scale);
+            Appearance::instance().setLanguage(QString::fromLatin1(language));
+            Appearance::instance().setScale(scale);
+            w.window().resize(kSmallest);
+            w.settle();
+            CHECK_MESSAGE(QTest::qWaitFor([&] { return hidden() == ""; }), hidden());
+            w.shoot("takes-narrow");
+            CHECK(panel.bar()->width() >= px(160));
+        }
+    Appearance::instance().setScale(1.0);
+    Appearance::instance().setLanguage(QStringLiteral("en"));
+    dock->hide();
+}
+
+TEST_CASE("dialogs: a card of choices grows with its words") {
+    SharedStudio::instance().close();
+    ChoiceCard card(QStringLiteral("Short"), QStringLiteral("Two words."));
+    const int usual = card.heightForWidth(px(160));
+    CHECK(usual == card.heightForWidth(px(300)));  // as high as a neighbour with two lines
+    ChoiceCard wordy(QStringLiteral("Long"), QString(QStringLiteral("Many words ")).repeated(12));
+    CHECK(wordy.heightForWidth(px(160)) > usual + 2 * wordy.fontMetrics().height());
 }
 
 TEST_CASE("start page: the words of a card have room at every size, in both languages") {

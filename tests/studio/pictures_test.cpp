@@ -69,7 +69,6 @@ TEST_CASE("pictures: a character is posed" * doctest::skip()) {
     Picture w;
     w.openSample("dragon");
     w.look(Vec3(0.55, 0.3, 1.0));
-    w.run({{"do", "enable"}, {"effect", "smooth-joints"}});
     w.run({{"do", "morph"}, {"character", "dragon"}, {"target", "smile"}, {"weight", 1.0}});
     w.run({{"do", "drag"}, {"endpoint", "arm.R/end"}, {"to", {-0.62, 0.5, 0.5}}});
     w.run({{"do", "drag"}, {"endpoint", "tail.3/end"}, {"to", {0.62, 0.85, -0.85}}});
@@ -118,7 +117,6 @@ TEST_CASE("pictures: effects and their prices" * doctest::skip()) {
     Picture w;
     w.openSample("octopus");
     w.panel("effectsDock");
-    for (const char* effect : {"bone-dynamics", "smooth-joints"}) w.run({{"do", "enable"}, {"effect", effect}});
     w.trigger("tool-pose");
     w.look(Vec3(0.25, 0.3, 1.0));
     w.pull("arm2-tip-bone", {-60, -260});

@@ -3,6 +3,7 @@
 #include <QDockWidget>
 #include <QFile>
 #include <QLineEdit>
+#include <QListWidget>
 #include <QMessageBox>
 #include <QTabWidget>
 #include <cmath>
@@ -136,11 +137,24 @@ TEST_CASE("studio: commands are found by typing, and run") {
     QTest::keyClicks(line, QStringLiteral("fra"));
     w.settle();
     w.shoot("search");
+    const auto* found = search->findChild<QListWidget*>();
+    CHECK(found->geometry().bottom() > search->height() - px(20));  // all of it is for what is found
     line->selectAll();
     QTest::keyClicks(line, QStringLiteral("start page"));
     QTest::keyClick(line, Qt::Key_Return);
     w.settle();
     CHECK(!w.window().startShown());
+}
+
+TEST_CASE("studio: that a file is being opened is said no longer than it takes") {
+    Window w;
+    const QString text = QStringLiteral("Opening…");
+    Q_EMIT w.window().files().working(text);
+    CHECK(w.window().messages().isVisible());
+    w.window().messages().withdraw(QStringLiteral("Something else"));
+    CHECK(w.window().messages().isVisible());
+    Q_EMIT w.window().files().worked(text);
+    CHECK(!w.window().messages().isVisible());
 }
 
 TEST_CASE("studio: preferences change the look while they are open") {

@@ -78,6 +78,7 @@ inline std::string cutOff(const QWidget& root) {
         } else if (const auto* button = qobject_cast<const QAbstractButton*>(widget)) {
             text = button->text();
             needed = button->minimumSizeHint();
+            if (button->hasHeightForWidth()) needed.setHeight(button->heightForWidth(button->width()));
             const auto* tool = qobject_cast<const QToolButton*>(button);
             if (tool && tool->toolButtonStyle() == Qt::ToolButtonIconOnly) text.clear();
         }

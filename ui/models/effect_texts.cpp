@@ -25,7 +25,7 @@ constexpr Warning kWarnings[] = {
     {FrameWarning::Diverged, true, QT_TRANSLATE_NOOP("Effects", "The previous model diverged: its joints stand still. Choose a smaller step or softer flesh.")},
     {FrameWarning::LoadsBounded, false, QT_TRANSLATE_NOOP("Effects", "Gravity or pressure is too strong for flesh so soft: it acts less than asked for.")},
     {FrameWarning::ContactsBounded, false, QT_TRANSLATE_NOOP("Effects", "Flesh is pressed in more places than contact looks at: the deepest are held, others may cross.")},
-    {FrameWarning::HeldByGround, false, QT_TRANSLATE_NOOP("Effects", "The target is below the ground: the body stays above it.")},
+    {FrameWarning::HeldByGround, false, QT_TRANSLATE_NOOP("Effects", "The ground keeps something held above its place.")},
     {FrameWarning::TargetOutOfReach, false, QT_TRANSLATE_NOOP("Effects", "The target is out of reach: the bones stretch no farther.")},
 };
 

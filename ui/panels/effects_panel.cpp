@@ -248,7 +248,7 @@ void EffectsPanel::showPrices() {
             r.price->setToolTip(tr("Measured: per frame while it moves"));
         } else {
             const QString time = frameTimeText(costs_[k].milliseconds);
-            r.price->setText(!known_ ? QString() : costs_[k].milliseconds < kShownMs ? time : tr("about %1").arg(time));
+            r.price->setText(!known_ || document_.document().elements.empty() ? QString() : costs_[k].milliseconds < kShownMs ? time : tr("about %1").arg(time));
             r.price->setToolTip(tr("Predicted: per frame"));
         }
         r.price->setRole(measured ? Appearance::Role::Text : Appearance::Role::Muted);

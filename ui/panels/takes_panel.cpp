@@ -17,8 +17,10 @@
 #include "ui/panels/time_bar.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/elided_label.h"
 #include "ui/widgets/layouts.h"
 #include "ui/widgets/line_delegate.h"
+#include "ui/widgets/wrapping_layout.h"
 
 namespace imomushi {
 
@@ -71,19 +73,30 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     buttons_.push_back(clips_);
     connect(actions["take-clip"], &QAction::changed, this, &TakesPanel::showClips);
 
+    // Buttons that belong together stay on one line.
+    const auto group = [&](std::initializer_list<const char*> ids) {
+        auto* all = new QWidget(this);
+        auto* row = fill(new QHBoxLayout(all), QMargins(0, 0, 0, 0), Spacing{2});
+        for (const char* id : ids) button(id, row);
+        return all;
+    };
     transport_ = new QWidget(this);
-    auto* buttons = fill(new QHBoxLayout(transport_), QMargins(0, 0, 0, 0), Spacing{2});
-    for (const char* action : {"take-back", "play", "take-forward", "loop"}) button(action, buttons);
-    buttons->addSpacing(10);
-    for (const char* action : {"mark-in", "mark-out", "trim-take"}) button(action, buttons);
-    moreClips_ = button("take-clip", buttons);
-    clock_ = new QLabel(this);
-    fill(buttons, Space{10}, clock_);
+    auto* transport = new WrappingLayout(transport_);
+    transport->addWidget(group({"take-back", "play", "take-forward", "loop"}));
+    transport->addWidget(group({"mark-in", "mark-out", "trim-take"}));
+    auto* when = group({"take-clip"});
+    moreClips_ = buttons_.back();
+    clock_ = new ElidedLabel(this);
+    clock_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Preferred);
+    fill(static_cast<QHBoxLayout*>(when->layout()), Space{10}, clock_);
+    transport->addWidget(when);
+    auto* state = new QWidget(this);
     note_ = styled(new QLabel(this), "warning");
-    fill(buttons, Space{10}, Share{note_, 1});
-    live_ = button("leave-take", buttons);
+    auto* stateRow = fill(new QHBoxLayout(state), QMargins(10, 0, 0, 0), Spacing{2}, Share{note_, 1});
+    live_ = button("leave-take", stateRow);
     live_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     live_->setProperty("small", true);
+    transport->addWidget(state);
 
     bar_ = new TimeBar(this);
     connect(bar_, &TimeBar::wanted, this, [this](int frame) {
@@ -91,16 +104,18 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     });
     connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
-    takeButtons_ = new QWidget(this);
-    auto* takeRow = fill(new QHBoxLayout(takeButtons_), QMargins(0, 0, 0, 0), Spacing{2});
-    for (const char* action : {"rename-take", "duplicate-take", "remove-take"}) button(action, takeRow);
-    auto* recordRow = fill(new QHBoxLayout, Spacing{2}, Share{record_, 1}, Space{4});
+    auto* records = new QWidget(this);
+    auto* recordRow = fill(new QHBoxLayout(records), QMargins(0, 0, 0, 0), Spacing{2}, Share{record_, 1}, Space{4});
     button("count-in", recordRow);
-    recordRow->addWidget(takeButtons_);
+    takeButtons_ = group({"rename-take", "duplicate-take", "remove-take"});
+    static_cast<QHBoxLayout*>(takeButtons_->layout())->addStretch();
     left_ = new QWidget(this);
-    auto* left = fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{6}, recordRow, Share{list_, 1});
+    auto* above = new QWidget(left_);
+    auto* aboveRow = new WrappingLayout(above);
+    for (QWidget* part : {records, takeButtons_}) aboveRow->addWidget(part);
+    auto* left = fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{6}, above, Share{list_, 1});
     left->addStretch();  // the button stays where it is while there is no list
-    auto* right = fill(new QVBoxLayout, Spacing{4}, empty_, Share{clips_, 0, Qt::AlignLeft}, transport_, Stretch{}, bar_);
+    auto* right = fill(new QVBoxLayout, Spacing{4}, empty_, Share{clips_, 0, Qt::AlignLeft}, transport_, bar_, Stretch{});
     fill(new QHBoxLayout(this), QMargins(10, 8, 12, 8), Spacing{14}, left_, Share{right, 1});
 
     connect(&deck_, &TakeDeck::changed, this, &TakesPanel::follow);
@@ -117,17 +132,32 @@ void TakesPanel::takeSizes() {
     shareWidth();
     for (auto* b : buttons_) b->setIconSize(QSize(px(20), px(20)));
     live_->setIconSize(QSize(px(16), px(16)));
-    clock_->setMinimumWidth(px(230));  // so that it stays while digits run
-    setMinimumHeight(px(118));
+    clock_->setMinimumWidth(px(130));
+    askForHeight();
     dressed_.reset();
     follow();
 }
 
-void TakesPanel::shareWidth() { left_->setFixedWidth(model_->rowCount() > 0 ? px(290) : std::clamp(width() * 2 / 5, px(200), px(290))); }
+void TakesPanel::shareWidth() {
+    const int share = model_->rowCount() > 0 ? width() / 3 : width() * 2 / 5;
+    left_->setFixedWidth(std::clamp(share, px(180), px(290)));
+}
 
 void TakesPanel::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
     shareWidth();
+    askForHeight();
+}
+
+bool TakesPanel::event(QEvent* event) {
+    const bool done = QWidget::event(event);
+    if (event->type() == QEvent::LayoutRequest) askForHeight();
+    return done;
+}
+
+void TakesPanel::askForHeight() {
+    setMinimumHeight(std::max(px(118), layout()->totalHeightForWidth(width())));
+    Q_EMIT heightWanted(minimumHeight());
 }
 
 /// Red says what it does; the words and the sign on it say it too.

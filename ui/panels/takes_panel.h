@@ -16,6 +16,7 @@ class QToolButton;
 namespace imomushi {
 
 class ActionSet;
+class ElidedLabel;
 class TimeBar;
 
 /// Records takes, lists them, and plays one along a time bar.
@@ -29,7 +30,11 @@ public:
     /// Edits the name of the chosen take.
     void rename();
 
+signals:
+    void heightWanted(int pixels);  ///< so that all its buttons are seen at this width
+
 protected:
+    bool event(QEvent* event) override;
     void changeEvent(QEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     bool eventFilter(QObject* watched, QEvent* event) override;
@@ -39,6 +44,7 @@ private:
     void takeSizes();
     /// Without takes the words on the right need the room more.
     void shareWidth();
+    void askForHeight();
     void retranslate();
     void dressRecord();
     void showClips();
@@ -56,7 +62,7 @@ private:
     QToolButton *clips_, *moreClips_;  // where the file of the character has clips: while there is no take, and then
     QWidget* transport_;
     std::vector<QToolButton*> buttons_;
-    QLabel* clock_;
+    ElidedLabel* clock_;
     QLabel* note_;
     QToolButton* live_;
     TimeBar* bar_;

@@ -109,7 +109,7 @@ QMenu::indicator:checked { image: url(@check-icon); }
 QMenu::right-arrow { image: url(@right-icon); width: 14px; height: 14px; right: 6px; }
 
 QToolBar { background: @window; border: none; padding: 6px 5px; spacing: 3px; }
-QToolBar::separator { background: @line; height: 1px; margin: 7px 7px; }
+QToolBar::separator { background: @line; height: 1px; margin: 4px 7px; }
 QToolButton { background: transparent; border: none; border-radius: 7px; padding: 7px; }
 QToolButton:hover { background: @hover; }
 QToolButton:pressed { background: @field; }
@@ -186,6 +186,7 @@ QScrollBar:horizontal { background: transparent; height: 10px; margin: 0; }
 QScrollBar::handle { background: @line; border-radius: 3px; margin: 2px; min-height: 28px; min-width: 28px; }
 QScrollBar::handle:hover { background: @hoverline; }
 QScrollBar::add-line, QScrollBar::sub-line, QScrollBar::add-page, QScrollBar::sub-page { background: none; border: none; width: 0; height: 0; }
+QAbstractScrollArea::corner { background: transparent; border: none; }
 QScrollArea { border: none; background: transparent; }
 QSplitter::handle { background: @line; }
 

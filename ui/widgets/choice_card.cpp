@@ -20,15 +20,22 @@ ChoiceCard::ChoiceCard(const QString& title, const QString& note, QWidget* paren
     setCheckable(true);
     setFocusPolicy(Qt::StrongFocus);
     setAttribute(Qt::WA_Hover);
-    setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    QSizePolicy policy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    policy.setHeightForWidth(true);
+    setSizePolicy(policy);
 }
 
-QSize ChoiceCard::sizeHint() const {
-    // A script that another font draws has higher lines.
-    const int line = std::max(fontMetrics().height(), fontMetrics().boundingRect(QRect(0, 0, QWIDGETSIZE_MAX, px(100)), Qt::AlignLeft, note_).height());
-    return {px(130), 2 * px(kPad) + fontMetrics().height() + kNoteLines * line + px(5)};
+int ChoiceCard::heightForWidth(int width) const {
+    const QFontMetrics metrics = fontMetrics();
+    const auto lines = [&](const QRect& in, int how) { return metrics.boundingRect(in, Qt::AlignLeft | how, note_).height(); };
+    // At least as high as its neighbours, with room for what wraps. A script that another font draws has higher lines.
+    const int line = std::max(metrics.height(), lines({0, 0, QWIDGETSIZE_MAX, px(100)}, 0));
+    const int note = lines({0, 0, std::max(1, width - 2 * px(kPad) - 2), QWIDGETSIZE_MAX}, Qt::TextWordWrap);
+    return 2 * px(kPad) + metrics.height() + std::max(kNoteLines * line, note) + px(5);
 }
-QSize ChoiceCard::minimumSizeHint() const { return {px(96), sizeHint().height()}; }
+
+QSize ChoiceCard::sizeHint() const { return {px(130), heightForWidth(px(130))}; }
+QSize ChoiceCard::minimumSizeHint() const { return {px(96), heightForWidth(QWIDGETSIZE_MAX)}; }
 
 void ChoiceCard::paintEvent(QPaintEvent*) {
     using Role = Appearance::Role;

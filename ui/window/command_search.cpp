@@ -82,7 +82,8 @@ CommandSearch::CommandSearch(std::vector<Findable> all, QWidget* window) : QFram
     list_->setFocusPolicy(Qt::NoFocus);
     list_->setMouseTracking(true);
     list_->setAccessibleName(tr("Found"));
-    imomushi::fill(new QVBoxLayout(this), QMargins(px(8), px(6), px(8), px(8)), Spacing{px(6)}, line_, rule, list_, none_, Stretch{});
+    imomushi::fill(new QVBoxLayout(this), QMargins(px(8), px(6), px(8), px(8)), Spacing{px(6)}, line_, rule, Share{list_, 1}, none_)
+        ->addStretch();  // where nothing is found the words stay below the line
     connect(line_, &QLineEdit::textChanged, this, &CommandSearch::fill);
     connect(list_, &QListWidget::itemClicked, this, &CommandSearch::run);
     resize(QSize(px(620), px(420)).boundedTo(window->size() * 0.8));

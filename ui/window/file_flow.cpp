@@ -114,6 +114,7 @@ Result<Json> FileFlow::read(const Json& open) {
     file_.read(document_.session().registry(), path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
     document_.session().lendCharacter(file_.takeCharacter());
     auto answer = document_.execute(open);
+    Q_EMIT worked(working_);
     if (!answer) return answer;
     const auto names = [&](const char* key) {
         QStringList list;
@@ -129,7 +130,9 @@ Result<Json> FileFlow::write(const Json& save) {
     const auto path = save.at("path").get<std::string>();
     working_ = tr("Saving “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
     file_.write(path, document_.session().project(), document_.session().versionLimits());
-    return document_.execute(save);
+    auto answer = document_.execute(save);
+    Q_EMIT worked(working_);
+    return answer;
 }
 
 QString FileFlow::folder() const {

@@ -82,6 +82,7 @@ signals:
     void performable();  ///< a character came that can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
     void working(const QString& what);  ///< on something that takes its time
+    void worked(const QString& what);   ///< the same has ended
     void said(const QString& message);
     void warned(const QString& message);
 

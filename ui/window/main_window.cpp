@@ -202,6 +202,7 @@ void MainWindow::connectFiles() {
     });
     connect(files_, &FileFlow::warned, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); });
     connect(files_, &FileFlow::working, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Info); });
+    connect(files_, &FileFlow::worked, this, [this](const QString& text) { messages().withdraw(text); });
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
         precompute_->cancel();

@@ -61,6 +61,10 @@ void MessageBar::offer(const QString& text, const QString& label, std::function<
     timer_.start(int(8000 + 70 * text.size()));
 }
 
+void MessageBar::withdraw(const QString& text) {
+    if (text_->text() == text) hide();
+}
+
 QString MessageBar::text() const { return text_->text(); }
 
 void MessageBar::enterEvent(QEnterEvent*) { timer_.stop(); }

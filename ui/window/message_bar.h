@@ -20,6 +20,8 @@ public:
     void say(const QString& text, Tone tone);
     /// With one thing to do about it, at a click.
     void offer(const QString& text, const QString& label, std::function<void()> action);
+    /// Takes back what is no longer so, where it is still seen.
+    void withdraw(const QString& text);
     [[nodiscard]] QString text() const;
 
 protected:

@@ -69,6 +69,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     accuracyDock_->hide();
     takes_ = new TakesPanel(document, deck, actions, &window);
     takesDock_ = dock("takesDock", scrolled(takes_), Qt::BottomDockWidgetArea);
+    connect(takes_, &TakesPanel::heightWanted, takesDock_->widget(), &QWidget::setMinimumHeight);
     window.tabifyDockWidget(accuracyDock_, takesDock_);
     // Split first: a dock that is split off a tab only becomes another tab.
     window.splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);

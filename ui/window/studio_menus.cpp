@@ -79,8 +79,8 @@ void StudioMenus::buildToolBar() {
         tools_.push_back(bar);
     };
     group("tools", {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch"});
+    group("tools-history", {"undo", "redo"});  // here two columns hold all where letters are large
     group("tools-character", {"make-soft", "precompute", "rest", "pin"});
-    group("tools-history", {"undo", "redo"});
     group("tools-view", {"frame-all", "bones", "grid"});
 }
 

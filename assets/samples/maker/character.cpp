@@ -18,6 +18,7 @@ namespace imomushi::samples {
 namespace {
 
 constexpr double kSoles = -0.001;  // m: meshes of feet that stand at 0 reach a little deeper
+constexpr double kGrazing = 0.6;  // cosine between the normal and the ray of a texel below which hollows are darkened less
 constexpr double kPad = 1.15;  // textures run on past their seam, so that a triangle across it needs no wrapping
 
 /// How a texture lies on an element: u around the pole from the seam, 0...1; v from the pole, 0...1, by angle or along the axis.
@@ -68,7 +69,10 @@ std::vector<unsigned char> bakeTexture(const CharacterSpec& c, int element, cons
                 open += std::clamp(c.shape(p + step * n) / step, 0.0, 1.0);
                 weight += 1;
             }
-            const Vec3 lit = c.paint(element, p, n, 2 * M_PI * kPad * far / width) * (1 - c.shade * (1 - open / weight));
+            // A side that runs along the ray gets few texels for its whole length: a shade between them would be seen as streaks.
+            const double facing = std::clamp(n.dot(d) / kGrazing, 0.0, 1.0);
+            const double shade = c.shade * facing * facing * (3 - 2 * facing) * (1 - open / weight);
+            const Vec3 lit = c.paint(element, p, n, 2 * M_PI * kPad * far / width) * (1 - shade);
             for (int k = 0; k < 3; ++k) pixels[3 * (std::size_t(y) * width + x) + k] = static_cast<unsigned char>(std::lround(255 * std::clamp(lit[k], 0.0, 1.0)));
         }
     return encodePng(pixels, width, height);

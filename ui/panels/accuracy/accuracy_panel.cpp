@@ -77,6 +77,7 @@ QWidget* AccuracyPanel::makeControls() {
     budget_ = named(new QDoubleSpinBox(left), "accuracyBudget");
     budget_->setRange(0.001, 1000.0);
     budget_->setDecimals(3);
+    budget_->setButtonSymbols(QAbstractSpinBox::NoButtons);
     budget_->setValue(1000.0 / 60.0);
     budget_->setSuffix(QStringLiteral(" ms"));
     budgetUse_ = new QPushButton(left);
