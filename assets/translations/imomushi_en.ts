@@ -4,6 +4,41 @@
     <context>
         <name>ToolTexts</name>
         <message numerus="yes">
+            <source>%n cut(s)</source>
+            <translation>
+                <numerusform>%n cut</numerusform>
+                <numerusform>%n cuts</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n bone(s)</source>
+            <translation>
+                <numerusform>%n bone</numerusform>
+                <numerusform>%n bones</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n handle(s)</source>
+            <translation>
+                <numerusform>%n handle</numerusform>
+                <numerusform>%n handles</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n pin(s)</source>
+            <translation>
+                <numerusform>%n pin</numerusform>
+                <numerusform>%n pins</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n plane(s) that do not cut</source>
+            <translation>
+                <numerusform>%n plane that does not cut</numerusform>
+                <numerusform>%n planes that do not cut</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>Click: joint face of %n vertices</source>
             <translation>
                 <numerusform>Click: joint face of %n vertex</numerusform>
@@ -227,6 +262,16 @@
             <translation>
                 <numerusform>%n element plays as a draft: precompute it (P) for what its settings ask for.</numerusform>
                 <numerusform>%n elements play as drafts: precompute them (P) for what their settings ask for.</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::RepairFlow</name>
+        <message numerus="yes">
+            <source>%n issue(s)</source>
+            <translation>
+                <numerusform>%n issue</numerusform>
+                <numerusform>%n issues</numerusform>
             </translation>
         </message>
     </context>

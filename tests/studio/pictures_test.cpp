@@ -69,6 +69,7 @@ TEST_CASE("pictures: a character is posed" * doctest::skip()) {
     Picture w;
     w.openSample("dragon");
     w.look(Vec3(0.55, 0.3, 1.0));
+    w.run({{"do", "disable"}, {"effect", "ground"}});  // of which the status would speak
     w.run({{"do", "morph"}, {"character", "dragon"}, {"target", "smile"}, {"weight", 1.0}});
     w.run({{"do", "drag"}, {"endpoint", "arm.R/end"}, {"to", {-0.62, 0.5, 0.5}}});
     w.run({{"do", "drag"}, {"endpoint", "tail.3/end"}, {"to", {0.62, 0.85, -0.85}}});

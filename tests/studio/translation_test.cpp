@@ -68,6 +68,12 @@ TEST_CASE("translations: Japanese has every text of the studio, finished, and no
         if (!needed.all.contains(message)) FAIL_CHECK("translated, but nowhere in the studio: ", message);
     for (const std::string& message : ours.unfinished) FAIL_CHECK("not finished in Japanese: ", message);
     CHECK(needed.all.size() > 100);
+    // English as it is in the source says "(s)" where one thing and many are told apart.
+    const Messages english = read(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/translations/imomushi_en.ts"));
+    for (const std::string& message : needed.all)
+        if (message.find("(s)") != std::string::npos && !english.all.contains(message)) FAIL_CHECK("without a plural in English: ", message);
+    for (const std::string& message : english.all)
+        if (!needed.all.contains(message)) FAIL_CHECK("a plural, but nowhere in the studio: ", message);
 }
 
 TEST_CASE("translations: every reason for a failure has a sentence in Japanese") {

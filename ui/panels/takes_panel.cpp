@@ -130,6 +130,7 @@ void TakesPanel::takeSizes() {
     empty_->setContentsMargins(0, px(8), 0, 0);
     empty_->setMinimumWidth(px(190));
     shareWidth();
+    list_->setMinimumHeight(px(36));
     for (auto* b : buttons_) b->setIconSize(QSize(px(20), px(20)));
     live_->setIconSize(QSize(px(16), px(16)));
     clock_->setMinimumWidth(px(130));
@@ -155,8 +156,12 @@ bool TakesPanel::event(QEvent* event) {
     return done;
 }
 
+// The list asks for more than it needs, and would be scrolled to.
+int TakesPanel::heightForWidth(int width) const { return layout()->totalMinimumHeightForWidth(width); }
+
 void TakesPanel::askForHeight() {
-    setMinimumHeight(std::max(px(118), layout()->totalHeightForWidth(width())));
+    // Before it is seen its width says nothing, and the dock keeps a height that was once asked for.
+    setMinimumHeight(isVisible() ? std::max(px(118), heightForWidth(width())) : px(118));
     Q_EMIT heightWanted(minimumHeight());
 }
 

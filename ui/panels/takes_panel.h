@@ -27,6 +27,7 @@ public:
     TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& actions, QWidget* parent = nullptr);
     [[nodiscard]] QListView* list() const { return list_; }
     [[nodiscard]] TimeBar* bar() const { return bar_; }
+    [[nodiscard]] int heightForWidth(int width) const override;
     /// Edits the name of the chosen take.
     void rename();
 

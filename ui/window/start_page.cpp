@@ -260,12 +260,14 @@ void StartPage::rebuild() {
     auto* titles = fill(new QVBoxLayout, Spacing{px(1)});
     auto* title = styled(new QLabel(QStringLiteral("Imomushi"), column), "huge");
     auto* line = styled(new QLabel(tr("Soft characters that bend, stretch and squash as you drag them"), column), "muted");
+    line->setWordWrap(true);
     fill(titles, title, line);
     auto* head = fill(new QHBoxLayout, Spacing{px(16)}, logo, Share{titles, 1});
     fill(layout, head, Space{px(10)});
 
     const QList<Sample> all = samples();
-    auto* ways = new QBoxLayout(columns_ < kFewestColumns ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+    const auto direction = columns_ < kFewestColumns ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight;
+    auto* ways = new QBoxLayout(direction);
     ways->setSpacing(px(kGap));
     std::vector<WayCard*> cards;
     const auto way = [&](const char* name, const char* icon, const QString& from, const QString& note) {
@@ -290,7 +292,7 @@ void StartPage::rebuild() {
 
     auto* drop = new DropPlace(column);
     drop_ = drop;
-    auto* buttons = fill(new QHBoxLayout, Spacing{px(10)});
+    auto* buttons = fill(new QBoxLayout(direction), Spacing{px(10)});
     const auto button = [&](const QString& icon, const QString& text, auto signal) {
         auto* b = new QPushButton(themedIcon(icon), text, column);
         b->setIconSize(QSize(px(18), px(18)));

@@ -69,7 +69,15 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     accuracyDock_->hide();
     takes_ = new TakesPanel(document, deck, actions, &window);
     takesDock_ = dock("takesDock", scrolled(takes_), Qt::BottomDockWidgetArea);
-    connect(takes_, &TakesPanel::heightWanted, takesDock_->widget(), &QWidget::setMinimumHeight);
+    takesDock_->widget()->setMinimumHeight(takes_->minimumHeight());
+    // Later: while docks find their places, panels are narrow for a moment. Whoever made the dock higher than it must be keeps its height.
+    connect(takes_, &TakesPanel::heightWanted, this, [this](int pixels) {
+        QWidget* area = takesDock_->widget();
+        const bool tight = area->height() <= area->minimumHeight();
+        const int above = takesDock_->height() - area->height();
+        area->setMinimumHeight(pixels);
+        if (tight && area->height() > pixels) window_.resizeDocks({takesDock_}, {above + pixels}, Qt::Vertical);
+    }, Qt::QueuedConnection);
     window.tabifyDockWidget(accuracyDock_, takesDock_);
     // Split first: a dock that is split off a tab only becomes another tab.
     window.splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
@@ -123,7 +131,7 @@ void StudioDocks::tellIssues() {
 void StudioDocks::takeSizes() {
     const int room = window_.screen()->availableGeometry().width();
     for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(std::min(px(300), room * 2 / 5));
-    for (QDockWidget* dock : {takesDock_, accuracyDock_}) dock->widget()->setMinimumHeight(static_cast<QScrollArea*>(dock->widget())->widget()->minimumHeight());
+    accuracyDock_->widget()->setMinimumHeight(accuracy_->minimumHeight());
 }
 
 void StudioDocks::followActions() {
