@@ -9,6 +9,9 @@
 #include <QToolBar>
 
 #include "tests/studio/window.h"
+#include "tests/support/capsules.h"
+#include "ui/dialogs/export_dialog.h"
+#include "ui/dialogs/preferences_dialog.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/panels/time_bar.h"
 #include "ui/viewport/axis_ball.h"
@@ -134,6 +137,39 @@ TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen
     Appearance::instance().setScale(1.0);
     Appearance::instance().setLanguage(QStringLiteral("en"));
     dock->hide();
+}
+
+TEST_CASE("dialogs: none asks for more than the smallest screen, in both languages, at 100 to 150 %") {
+    Window w(kSmallest);
+    const QString mesh = writeMesh(w.folder.filePath(QStringLiteral("star.obj")), capsules::starfish());
+    w.open(samples()[0].path);
+    const auto fits = [](const QDialog& dialog) {
+        const QSize least = dialog.minimumSizeHint();
+        CHECK_MESSAGE((least.width() <= kSmallest.width() && least.height() <= kSmallest.height() - 40), dialog.objectName().toStdString(), " ", text(least));  // 40: the frame's title
+    };
+    for (const char* language : {"en", "ja"})
+        for (const double scale : {1.0, 1.25, 1.5}) {
+            CAPTURE(language);
+            CAPTURE(scale);
+            Appearance::instance().setScale(scale);
+            Appearance::instance().setLanguage(QString::fromLatin1(language));
+            w.settle();
+            w.trigger("export");
+            auto* exporting = w.window().findChild<ExportDialog*>();
+            REQUIRE(exporting);
+            fits(*exporting);
+            exporting->reject();
+            w.window().files().import({mesh});
+            auto* import = w.window().findChild<ImportDialog*>();
+            REQUIRE(import);
+            fits(*import);
+            import->reject();
+            PreferencesDialog preferences(w.window().actions(), &w.window());
+            fits(preferences);
+            w.settle();
+        }
+    Appearance::instance().setScale(1.0);
+    Appearance::instance().setLanguage(QStringLiteral("en"));
 }
 
 TEST_CASE("dialogs: a card of choices grows with its words") {

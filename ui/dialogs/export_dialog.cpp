@@ -25,6 +25,7 @@
 #include "ui/widgets/choice_card.h"
 #include "ui/widgets/dialog_form.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/scrolled.h"
 
 namespace imomushi {
 namespace {
@@ -62,15 +63,18 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
         return label;
     };
     // In the order in which the keyboard goes through them.
-    auto* layout = fill(new QVBoxLayout(this), QMargins(px(22), px(18), px(22), px(16)), Spacing{px(10)}, section(tr("For")));
+    auto* page = new QWidget;
+    auto* layout = fill(new QVBoxLayout(page), QMargins(px(22), px(18), px(22), px(6)), Spacing{px(10)}, section(tr("For")));
     fill(layout, makePresets(), Space{px(4)}, section(tr("As")));
     fill(layout, makeLayouts(), Space{px(8)});
     auto* columns = fill(new QHBoxLayout, Spacing{px(22)}, Share{makeOptions(), 1});
     report_ = new ExportReportView(this);
     columns->addWidget(report_, 1);
     fill(layout, Share{columns, 1}, Space{px(4)}, makeFile());
-    layout->addLayout(makeFoot());
-    resize(px(940), px(640));
+    auto* foot = makeFoot();
+    foot->setContentsMargins(px(22), px(4), px(22), px(16));
+    fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), Spacing{0}, Share<QWidget>{new ScrolledRows(page, this), 1}, foot);
+    resize(withinScreen(*this, {px(940), px(640)}));
 
     recall(folder);
     fillTakes();

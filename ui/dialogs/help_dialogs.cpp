@@ -14,6 +14,7 @@
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/scrolled.h"
 
 namespace imomushi {
 
@@ -60,7 +61,7 @@ ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation,
     auto* buttons = new QDialogButtonBox(this);
     connect(buttons->addButton(tr("Close"), QDialogButtonBox::RejectRole), &QPushButton::clicked, this, &QDialog::reject);
     fill(new QVBoxLayout(this), QMargins(px(18), px(14), px(18), px(14)), Share{page, 1}, buttons);
-    resize(QSize(px(560), px(640)).boundedTo(screen()->availableGeometry().size() * 0.9));
+    resize(withinScreen(*this, {px(560), px(640)}));
 }
 
 AboutDialog::AboutDialog(QWidget* parent) : QMessageBox(parent) {

@@ -31,6 +31,7 @@
 #include "ui/widgets/choice_card.h"
 #include "ui/widgets/dialog_form.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/scrolled.h"
 
 namespace imomushi {
 namespace {
@@ -176,12 +177,13 @@ ImportDialog::ImportDialog(const QString& path, QWidget* parent) : QDialog(paren
     title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     auto* cards = fill(new QHBoxLayout, Spacing{px(8)}, Share{wholeCard_, 1}, Share{elementsCard_, 1});
     auto* rule = named(new QFrame(this), "rule");
-    auto* right = fill(new QVBoxLayout, Spacing{px(12)}, title, cards, form, rule, verdict_, sizeQuestion_, facts_, Share{issues_, 1});
-    auto* columns = fill(new QHBoxLayout, Spacing{px(20)}, Share{preview_, 4}, Share{right, 3});
+    auto* choices = new QWidget;
+    fill(new QVBoxLayout(choices), QMargins(0, 0, 0, 0), Spacing{px(12)}, title, cards, form, rule, verdict_, sizeQuestion_, facts_, Share{issues_, 1});
+    auto* columns = fill(new QHBoxLayout, Spacing{px(20)}, Share{preview_, 4}, Share<QWidget>{new ScrolledRows(choices, this), 3});
     progress_->setFixedWidth(px(160));
     auto* foot = fill(new QHBoxLayout, Spacing{px(12)}, progress_, Share{stage_, 1}, buttons);
     fill(new QVBoxLayout(this), QMargins(px(20), px(20), px(20), px(16)), Spacing{px(16)}, Share{columns, 1}, foot);
-    resize(px(960), px(660));
+    resize(withinScreen(*this, {px(960), px(660)}));
 
     connect(unit_, &QComboBox::activated, this, [this] { unitOfAnswer_ = false; });
     for (QComboBox* box : {unit_, up_}) connect(box, &QComboBox::activated, this, [this] { askedLinks_.reset(); });

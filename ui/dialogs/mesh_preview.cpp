@@ -18,7 +18,7 @@ constexpr double kFill = 0.84;  // room for the shadow
 }  // namespace
 
 MeshPreview::MeshPreview(QWidget* parent) : TurntableView(parent) {
-    setMinimumSize(px(280), px(260));
+    setMinimumSize(px(280), px(200));
     setAccessibleName(tr("Preview of the mesh"));
     PictureWarmUp::instance().begin();  // while the file is read
 }

@@ -21,6 +21,7 @@
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/scrolled.h"
 
 namespace imomushi {
 
@@ -56,7 +57,7 @@ ResponseStore::Limits PreferencesDialog::responseLimits() {
 PreferencesDialog::PreferencesDialog(ActionSet& actions, QWidget* parent) : QDialog(parent), actions_(actions) {
     setLayout(new QVBoxLayout);
     rebuild();
-    resize(px(560), px(520));
+    resize(withinScreen(*this, {px(560), px(520)}));
 }
 
 void PreferencesDialog::changeEvent(QEvent* event) {
@@ -157,7 +158,7 @@ void PreferencesDialog::rebuild() {
     space(tr("Versions of a project"), kVersionGigabytes, versionLimits().bytes, &PreferencesDialog::versionsChanged);
     space(tr("Memory for precomputed results"), kMemoryGigabytes, responseLimits().memory, &PreferencesDialog::responsesChanged);
     space(tr("Disk space for precomputed results"), kDiskGigabytes, responseLimits().disk, &PreferencesDialog::responsesChanged);
-    tabs_->addTab(look, tr("General"));
+    tabs_->addTab(new ScrolledRows(look, tabs_), tr("General"));
 
     auto* keys = new QWidget;
     table_ = new QTableWidget(keys);

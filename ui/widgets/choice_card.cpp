@@ -20,7 +20,7 @@ ChoiceCard::ChoiceCard(const QString& title, const QString& note, QWidget* paren
     setCheckable(true);
     setFocusPolicy(Qt::StrongFocus);
     setAttribute(Qt::WA_Hover);
-    QSizePolicy policy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    QSizePolicy policy(QSizePolicy::Expanding, QSizePolicy::Minimum);  // all of a row are as high as the highest
     policy.setHeightForWidth(true);
     setSizePolicy(policy);
 }
@@ -36,6 +36,12 @@ int ChoiceCard::heightForWidth(int width) const {
 
 QSize ChoiceCard::sizeHint() const { return {px(130), heightForWidth(px(130))}; }
 QSize ChoiceCard::minimumSizeHint() const { return {px(96), heightForWidth(QWIDGETSIZE_MAX)}; }
+
+// Layouts within layouts lose the height for a width where they are squeezed.
+void ChoiceCard::resizeEvent(QResizeEvent* event) {
+    QAbstractButton::resizeEvent(event);
+    setMinimumHeight(heightForWidth(width()));
+}
 
 void ChoiceCard::paintEvent(QPaintEvent*) {
     using Role = Appearance::Role;

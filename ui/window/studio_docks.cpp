@@ -5,7 +5,6 @@
 #include <QDockWidget>
 #include <QMainWindow>
 #include <QScreen>
-#include <QScrollArea>
 #include <QStyle>
 #include <QTabBar>
 #include <QTimer>
@@ -19,6 +18,7 @@
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/scrolled.h"
 
 namespace imomushi {
 namespace {
@@ -50,25 +50,16 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         connect(d, &QDockWidget::dockLocationChanged, this, [this] { QMetaObject::invokeMethod(this, &StudioDocks::showTitles, Qt::QueuedConnection); });
         return d;
     };
-    // What is wider than the smallest screen at the largest size can be scrolled there.
-    const auto scrolled = [&window](QWidget* panel) {
-        auto* scroll = new QScrollArea(&window);
-        scroll->setWidgetResizable(true);
-        scroll->setFrameShape(QFrame::NoFrame);
-        scroll->setFocusPolicy(Qt::NoFocus);
-        scroll->setWidget(panel);
-        return scroll;
-    };
     outlinerDock_ = dock("outlinerDock", outliner_, Qt::RightDockWidgetArea);
     historyDock_ = dock("historyDock", history_, Qt::RightDockWidgetArea);
     issuesDock_ = dock("issuesDock", issues_, Qt::RightDockWidgetArea);
     inspectorDock_ = dock("inspectorDock", inspector_, Qt::RightDockWidgetArea);
     effectsDock_ = dock("effectsDock", effects_, Qt::RightDockWidgetArea);
     accuracy_ = new AccuracyPanel(document, costs, &window);
-    accuracyDock_ = dock("accuracyDock", scrolled(accuracy_), Qt::BottomDockWidgetArea);
+    accuracyDock_ = dock("accuracyDock", scrolled(accuracy_, &window), Qt::BottomDockWidgetArea);
     accuracyDock_->hide();
     takes_ = new TakesPanel(document, deck, actions, &window);
-    takesDock_ = dock("takesDock", scrolled(takes_), Qt::BottomDockWidgetArea);
+    takesDock_ = dock("takesDock", scrolled(takes_, &window), Qt::BottomDockWidgetArea);
     takesDock_->widget()->setMinimumHeight(takes_->minimumHeight());
     // Later: while docks find their places, panels are narrow for a moment. Whoever made the dock higher than it must be keeps its height.
     connect(takes_, &TakesPanel::heightWanted, this, [this](int pixels) {
