@@ -322,7 +322,8 @@ private:
             Vec3 point;
             Index place;
         };
-        std::array<Candidate, 2> candidates{{{point(kept), s_.place[at(kept)]}, {middle, -1}}};
+        const Candidate ofKept{point(kept), s_.place[at(kept)]}, ofGone{point(gone), s_.place[at(gone)]};
+        std::array<Candidate, 4> candidates{{ofKept}};
         std::size_t count = 1;
         if (constraintOf(kept) == Constraint::Free) {
             Quadric q = quadric_[at(gone)];
@@ -330,14 +331,14 @@ private:
             const auto [area, missing] = volumeAround(h, middle);
             Vec3 x = best(q, middle, &area, missing);
             if (!((x - middle).norm() <= length)) x = best(q, middle, nullptr, 0.0);
-            candidates[0] = {x, -1};
-            count = 2;
+            candidates = {{{x, -1}, {middle, -1}, ofKept, ofGone}};  // at needles side by side only an end may fit
+            count = 4;
         } else if (constraintOf(gone) == constraintOf(kept)) {
             if (constraintOf(gone) == Constraint::OnRim && !slides(gone, kept)) {
                 if (!slides(kept, gone)) return;
-                candidates[0] = {point(gone), s_.place[at(gone)]};
+                candidates[0] = ofGone;
             } else if (constraintOf(gone) == Constraint::InFace) {
-                candidates[1] = {point(gone), s_.place[at(gone)]};
+                candidates[1] = ofGone;
                 count = 2;
             }
         } else if (constraintOf(gone) == Constraint::OnRim && !slides(gone, kept)) {

@@ -49,6 +49,9 @@ constexpr double kBisected = 1.4;
 constexpr double kWorthIt = 0.8;
 /// One that cannot be decimated is filled as it is while it has no more than so many times the vertices that were asked for.
 constexpr int kAtMostTimes = 4;
+/// A needle has an edge shorter than this part of the longest ones at both of its ends.
+constexpr double kNeedle = 0.05;
+constexpr const char* kNoFilling = "no-filling";
 /// Steps of the grid across a body, see OnGrid: 2^34. Much finer than what TetGen takes for a plane (1e-8 of an edge), much coarser than rounding.
 constexpr double kGridSteps = 17'179'869'184.0;
 /// Nodes of draft, default and best at most, about: where rims are long for the area of their faces, as at the ends of a plate, edges at them are longer.
@@ -133,6 +136,54 @@ double nodesAtRims(std::span<const JointFace> faces, const TriangleMesh& body, d
     return kNodesPerRimEdge * edges;
 }
 
+/// Cuts the surface of `out` to the wanted sizes and fills it with tetrahedra. Errors: "no-filling", "cancelled", "too-large".
+Result<TetrahedralMesh> filled(SolvedBody& out, const VolumeDetail& detail, const Progress& progress) {
+    const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
+    const Points exact = out.mesh.mesh.vertices;
+    const OnGrid grid(exact);
+    SolverMesh onGrid = out.mesh;
+    onGrid.mesh.vertices = grid.of(exact);
+    const TetrahedronSizes wanted = sizesFor(onGrid, detail);
+    Result<TetrahedralMesh> filling = tl::make_unexpected(Error{});
+    // TetGen breaks down on some surfaces, or leaves a flat tetrahedron, and seldom on the same one cut a little finer: a fin of tests/data/reference was one.
+    for (const double part : {1.0, 0.85, 0.7}) {
+        TetrahedronSizes sizes = wanted;
+        sizes.most *= part;
+        for (auto& point : sizes.points) point.size *= part;
+        std::vector<double> longest(static_cast<std::size_t>(onGrid.mesh.vertices.rows()));
+        for (std::size_t v = 0; v < longest.size(); ++v) longest[v] = kBisected * sizes.at(onGrid.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose());
+        if (progress.cancelled()) return cancelled();
+        SolverMesh fine = bisectedTo(onGrid.mesh, facesOfTriangles(onGrid), onGrid.faces.size(), std::move(longest));
+        if (progress.cancelled()) return cancelled();
+        filling = fillWithTetrahedra(fine.mesh, sizes, progress);
+        if (!filling && filling.error().code == kNoFilling) continue;
+        if (!filling) break;
+        grid.back(exact, fine, *filling);
+        if (anyFlat(*filling)) {  // edges as short as the steps of the grid
+            filling = fail(kNoFilling, "The body cannot be filled with tetrahedra: some of its edges are too short; repair it.");
+            continue;
+        }
+        fine.origin.insert(fine.origin.begin(), out.mesh.origin.begin(), out.mesh.origin.end());
+        fine.bubbles = longFreeEdges(fine, 0.0);
+        out.mesh = std::move(fine);
+        break;
+    }
+    return filling;
+}
+
+/// Vertices of a body in the place of `mesh` without its needles: one less for each edge that is a small part of those around.
+int withoutNeedles(const TriangleMesh& mesh) {
+    std::vector<double> longest(static_cast<std::size_t>(mesh.vertices.rows()), 0.0);
+    const EdgeTable edges(mesh.triangles);
+    const auto length = [&](int e) { return (mesh.vertices.row(edges.uses(e)[0].low) - mesh.vertices.row(edges.uses(e)[0].high)).norm(); };
+    for (int e = 0; e < edges.size(); ++e)
+        for (const std::int32_t v : {edges.uses(e)[0].low, edges.uses(e)[0].high}) longest[static_cast<std::size_t>(v)] = std::max(longest[static_cast<std::size_t>(v)], length(e));
+    int needles = 0;
+    for (int e = 0; e < edges.size(); ++e)
+        needles += length(e) < kNeedle * std::min(longest[static_cast<std::size_t>(edges.uses(e)[0].low)], longest[static_cast<std::size_t>(edges.uses(e)[0].high)]);
+    return static_cast<int>(mesh.vertices.rows()) - needles;
+}
+
 }  // namespace
 
 VolumeDetail volumeDetail(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting) {
@@ -182,37 +233,15 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
         if (auto small = onDecimated(surface, vertices, progress)) out = std::move(*small);
         if (progress.cancelled()) return cancelled();
         // Dense rims stay as they are, and a body that meets itself cannot be filled either.
-        if (!out && own > kAtMostTimes * vertices) return fail("no-filling", "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");
+        if (!out && own > kAtMostTimes * vertices) return fail(kNoFilling, "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");
     }
+    // Where cuts pass close by vertices, and where surfaces were united, bodies have needles, which TetGen fills with many tetrahedra, flat ones among them.
+    const bool asItIs = detail.onItself && detail.rim <= 0.0;
+    if (const int fewer = withoutNeedles(surface.triangles()); !out && !asItIs && fewer < own)
+        if (auto clean = onDecimated(surface, fewer, progress)) out = std::move(*clean);
     if (!out) out = onItself(surface.mesh, surface);
-    const Points exact = out->mesh.mesh.vertices;
-    const OnGrid grid(exact);
-    out->mesh.mesh.vertices = grid.of(exact);
-    const TetrahedronSizes wanted = sizesFor(out->mesh, detail);
-    Result<TetrahedralMesh> filling = tl::make_unexpected(Error{});
-    // TetGen breaks down on some surfaces, or leaves a flat tetrahedron, and seldom on the same one cut a little finer: a fin of tests/data/reference was one.
-    for (const double part : {1.0, 0.85, 0.7}) {
-        TetrahedronSizes sizes = wanted;
-        sizes.most *= part;
-        for (auto& point : sizes.points) point.size *= part;
-        std::vector<double> longest(static_cast<std::size_t>(out->mesh.mesh.vertices.rows()));
-        for (std::size_t v = 0; v < longest.size(); ++v) longest[v] = kBisected * sizes.at(out->mesh.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose());
-        if (progress.cancelled()) return cancelled();
-        SolverMesh fine = bisectedTo(out->mesh.mesh, facesOfTriangles(out->mesh), out->mesh.faces.size(), std::move(longest));
-        if (progress.cancelled()) return cancelled();
-        filling = fillWithTetrahedra(fine.mesh, sizes, progress);
-        if (!filling && filling.error().code == "no-filling") continue;
-        if (!filling) break;
-        grid.back(exact, fine, *filling);
-        if (anyFlat(*filling)) {  // edges as short as the steps of the grid
-            filling = fail("no-filling", "The body cannot be filled with tetrahedra: some of its edges are too short; repair it.");
-            continue;
-        }
-        fine.origin.insert(fine.origin.begin(), out->mesh.origin.begin(), out->mesh.origin.end());
-        fine.bubbles = longFreeEdges(fine, 0.0);
-        out->mesh = std::move(fine);
-        break;
-    }
+    auto filling = filled(*out, detail, progress);
+    if (progress.cancelled()) return cancelled();
     if (!filling) return tl::make_unexpected(filling.error());
     out->filling = std::make_shared<const TetrahedralMesh>(std::move(*filling));
     out->detail = detail;

@@ -89,6 +89,56 @@ TEST_CASE("volume body: with handles a draft is within a tenth of the default, s
     }
 }
 
+TEST_CASE("volume body: needles, as cuts close by vertices leave them, are solved without, and the answer is that of the body without needles") {
+    const shapes::Body box = shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 2), 3, 3, 6);
+    TriangleMesh needled = box.mesh;
+    const auto isEnd = [&](Eigen::Index t) { return std::ranges::any_of(box.ends, [&](const auto& end) { return std::ranges::count(end.triangles, t) > 0; }); };
+    int needles = 0;
+    // A vertex a hundred-thousandth of an edge beside a corner, within a triangle of the side.
+    for (Eigen::Index t = 0; t < box.mesh.triangles.rows(); ++t) {
+        if (t % 3 != 0 || isEnd(t)) continue;
+        const auto corner = [&](int c) -> Vec3 { return box.mesh.vertices.row(box.mesh.triangles(t, c)).transpose(); };
+        const auto v = static_cast<std::int32_t>(needled.vertices.rows());
+        const Eigen::RowVector3i old = box.mesh.triangles.row(t);
+        needled.vertices.conservativeResize(v + 1, 3);
+        needled.vertices.row(v) = (corner(0) + 1e-5 * (corner(1) + corner(2) - 2.0 * corner(0))).transpose();
+        needled.triangles.row(t) << old[0], old[1], v;
+        needled.triangles.conservativeResize(needled.triangles.rows() + 2, 3);
+        needled.triangles.bottomRows(2) << old[1], old[2], v, old[2], old[0], v;
+        ++needles;
+    }
+    REQUIRE(needles > 20);
+    const auto solved = [&](const TriangleMesh& body) {
+        ResponseInput input;
+        const auto mesh = std::make_shared<ElementMesh>();
+        mesh->body = body;
+        input.mesh = mesh;
+        for (const auto& end : box.ends) input.faces.push_back(jointFaceByTriangles(mesh->body, end.triangles).value());
+        input.solverMesh = parseSolverMesh("default").value();
+        const auto solid = solvedBody(body, input.faces, input.solverMesh, {});
+        REQUIRE(solid);
+        CHECK(solid->noFilling == "");
+        double shortest = HUGE_VAL;
+        const TriangleMesh& surface = solid->mesh.mesh;
+        for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t)
+            for (int c = 0; c < 3; ++c) shortest = std::min(shortest, (surface.vertices.row(surface.triangles(t, c)) - surface.vertices.row(surface.triangles(t, (c + 1) % 3))).norm());
+        CHECK(shortest > 1e-3);
+        auto response = buildResponse(input, {});
+        REQUIRE(response);
+        return std::move(*response);
+    };
+    const ElementResponse with = solved(needled), without = solved(box.mesh);
+    CHECK(with.quality.solverNodes <= 1.2 * without.quality.solverNodes);
+    // The same vertices come first in both.
+    double largest = 0.0;
+    for (std::size_t i = 0; i < without.freeVertices.size(); ++i) {
+        const auto at = std::ranges::find(with.freeVertices, without.freeVertices[i]) - with.freeVertices.begin();
+        REQUIRE(static_cast<std::size_t>(at) < with.freeVertices.size());
+        largest = std::max(largest, (with.response.middleRows(3 * at, 3) - without.response.middleRows(3 * static_cast<Eigen::Index>(i), 3)).norm());
+    }
+    CHECK(largest <= 0.03 * without.response.rowwise().norm().maxCoeff());  // each is within a percent of the truth
+}
+
 TEST_CASE("volume body: at ratios that tetrahedra cannot take, and where a body cannot be filled, boundary elements solve it and say why") {
     for (const char* setting : {"volume:600", "draft", "default"}) {
         const ResponseInput input = egg(setting);
