@@ -341,7 +341,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> endsOf(const std::vector<Fles
 }
 
 /// Triangles of a union that are flatter than this lie between walls that were modelled in one place and differ by rounding: much flatter than any that were modelled.
-constexpr double kUnionFlat = 1e-3;
+constexpr double kUnionFlat = 1e-5;
 
 /// A union without its voids, which nobody modelled, and without the flat triangles that it leaves.
 TriangleMesh tidied(const TriangleMesh& mesh) {
