@@ -12,6 +12,7 @@
 
 #include "core/elasticity/tetrahedral_mesh.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/vertex_corners.h"
 
 namespace imomushi {
 namespace {
@@ -51,6 +52,8 @@ constexpr double kWorthIt = 0.8;
 constexpr int kAtMostTimes = 4;
 /// A needle has an edge shorter than this part of the longest ones at both of its ends.
 constexpr double kNeedle = 0.05;
+/// And its direction leaves the planes of the triangles at one of its ends by the sine of at most this (17 degrees).
+constexpr double kWithin = 0.3;
 constexpr const char* kNoFilling = "no-filling";
 /// Steps of the grid across a body, see OnGrid: 2^34. Much finer than what TetGen takes for a plane (1e-8 of an edge), much coarser than rounding.
 constexpr double kGridSteps = 17'179'869'184.0;
@@ -171,16 +174,29 @@ Result<TetrahedralMesh> filled(SolvedBody& out, const VolumeDetail& detail, cons
     return filling;
 }
 
-/// Vertices of a body in the place of `mesh` without its needles: one less for each edge that is a small part of those around.
+/// Vertices of a body in the place of `mesh` without its needles: one less for each edge that is a small part of those around and whose one end lies near the planes around the other, so
+/// that no shape is lost without it; edges across thin walls are as short.
 int withoutNeedles(const TriangleMesh& mesh) {
-    std::vector<double> longest(static_cast<std::size_t>(mesh.vertices.rows()), 0.0);
     const EdgeTable edges(mesh.triangles);
-    const auto length = [&](int e) { return (mesh.vertices.row(edges.uses(e)[0].low) - mesh.vertices.row(edges.uses(e)[0].high)).norm(); };
+    const VertexCorners corners(mesh);
+    const auto along = [&](int e) -> Vec3 { return (mesh.vertices.row(edges.uses(e)[0].high) - mesh.vertices.row(edges.uses(e)[0].low)).transpose(); };
+    std::vector<double> longest(static_cast<std::size_t>(mesh.vertices.rows()), 0.0);
     for (int e = 0; e < edges.size(); ++e)
-        for (const std::int32_t v : {edges.uses(e)[0].low, edges.uses(e)[0].high}) longest[static_cast<std::size_t>(v)] = std::max(longest[static_cast<std::size_t>(v)], length(e));
+        for (const std::int32_t v : {edges.uses(e)[0].low, edges.uses(e)[0].high}) longest[static_cast<std::size_t>(v)] = std::max(longest[static_cast<std::size_t>(v)], along(e).norm());
     int needles = 0;
-    for (int e = 0; e < edges.size(); ++e)
-        needles += length(e) < kNeedle * std::min(longest[static_cast<std::size_t>(edges.uses(e)[0].low)], longest[static_cast<std::size_t>(edges.uses(e)[0].high)]);
+    for (int e = 0; e < edges.size(); ++e) {
+        const Vec3 edge = along(e);
+        const double length = edge.norm();
+        const std::int32_t a = edges.uses(e)[0].low, b = edges.uses(e)[0].high;
+        if (!(length < kNeedle * std::min(longest[static_cast<std::size_t>(a)], longest[static_cast<std::size_t>(b)]))) continue;
+        const auto within = [&](std::int32_t v) {
+            return std::ranges::all_of(corners.at(v), [&](std::int32_t corner) {
+                const Vec3 area = areaVector(mesh, corner / 3);
+                return std::abs(area.dot(edge)) <= kWithin * area.norm() * length;
+            });
+        };
+        needles += within(a) || within(b);
+    }
     return static_cast<int>(mesh.vertices.rows()) - needles;
 }
 
