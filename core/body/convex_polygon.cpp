@@ -27,7 +27,9 @@ std::vector<std::array<std::int32_t, 3>> triangulateConvex(const std::vector<Vec
             const std::size_t j = i + length;
             best[i * n + j] = -1.0;
             for (std::size_t k = i + 1; k < j; ++k) {
-                const double angle = std::min({best[i * n + k], best[k * n + j], smallestAngle(polygon[i], polygon[k], polygon[j])});
+                const double beside = std::min(best[i * n + k], best[k * n + j]);
+                if (!(beside > best[i * n + j])) continue;  // seldom is a triangle looked at: arc tangents of polygons of hundreds of points took minutes
+                const double angle = std::min(beside, smallestAngle(polygon[i], polygon[k], polygon[j]));
                 if (angle > best[i * n + j]) best[i * n + j] = angle, apex[i * n + j] = k;
             }
         }

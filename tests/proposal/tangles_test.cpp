@@ -278,6 +278,7 @@ TEST_CASE("proposals without lines that shapes shrink to: where that breaks down
 TEST_CASE("tangles of all kinds become a body that can be cut, or a reason") {
     std::set<std::string> outcomes;
     tangle(310, outcomes);  // parts of its surface meet in a vertex alone: untangling it had no end
+    tangle(463, outcomes);  // its cuts leave polygons of hundreds of points, whose triangulation took minutes
     const int count = repeats(6, 500);
     for (int seed = 0; seed < count; ++seed) tangle(static_cast<std::uint32_t>(seed), outcomes);
     // Not all of them are refused, and not all are simple.
