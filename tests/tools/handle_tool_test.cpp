@@ -17,7 +17,12 @@ struct HandleStage : ToolStage {
         add("bar", shapes::box(Vec3(-3, -0.5, -0.5), Vec3(3, 0.5, 0.5), 24, 4, 4).mesh);
         look(ViewAxis::Front);
     }
-    const std::vector<Handle>& handles() { return element("bar").handles; }
+    /// Those that were placed: the first one on a body brings others that hold it.
+    std::vector<Handle> handles() {
+        std::vector<Handle> placed = element("bar").handles;
+        std::erase_if(placed, [](const Handle& h) { return !h.face.starts_with("handle "); });
+        return placed;
+    }
     const HandleGoal* goal(const std::string& name) {
         const auto found = now().handleGoals.find({element("bar").id, name});
         return found == now().handleGoals.end() ? nullptr : &found->second;
