@@ -28,7 +28,7 @@ std::vector<std::array<std::int32_t, 3>> triangulateConvex(const std::vector<Vec
             best[i * n + j] = -1.0;
             for (std::size_t k = i + 1; k < j; ++k) {
                 const double beside = std::min(best[i * n + k], best[k * n + j]);
-                if (!(beside > best[i * n + j])) continue;  // seldom is a triangle looked at: arc tangents of polygons of hundreds of points took minutes
+                if (!(beside > best[i * n + j])) continue;  // cannot be better, whatever the triangle's angles: computing those of all took minutes for hundreds of points
                 const double angle = std::min(beside, smallestAngle(polygon[i], polygon[k], polygon[j]));
                 if (angle > best[i * n + j]) best[i * n + j] = angle, apex[i * n + j] = k;
             }

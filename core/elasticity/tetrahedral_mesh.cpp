@@ -30,8 +30,8 @@ constexpr double kTooLong = 1.4;
 /// What a worker may use; a body of 100,000 vertices takes some five seconds.
 constexpr WorkLimits kLimits{std::size_t{16} << 30, 600, 3600.0, false};
 
-/// See anyFlat(). Four corners in one plane have a volume of about the rounding of coordinates, of a sign by chance; flat ones of more make entries of the stiffness so many times
-/// larger, which leaves six digits in double precision.
+/// See anyFlat(). Four corners in one plane have a volume of about the rounding of coordinates, of a sign by chance. A flat
+/// tetrahedron makes entries of the stiffness larger by one over its flatness: at this bound six of the sixteen digits are left.
 constexpr double kFlat = 1e-10;
 /// What TetGen throws where it gets no memory.
 constexpr int kNoMemory = 1;

@@ -37,6 +37,9 @@ constexpr double kStraightLine = 1e-7;
 /// Weight of staying in the middle of an edge against the distance from planes: decides only along the surface.
 constexpr double kMiddle = 1e-3;
 
+/// An edge shorter than this part of the wanted one is of a needle: where needles lie side by side, the vertex of the collapsed edge may only fit at one of its ends.
+constexpr double kShort = 0.05;
+
 /// Between looks at the clock; a collapse takes some microseconds.
 constexpr int kLook = 1024;
 
@@ -331,8 +334,8 @@ private:
             const auto [area, missing] = volumeAround(h, middle);
             Vec3 x = best(q, middle, &area, missing);
             if (!((x - middle).norm() <= length)) x = best(q, middle, nullptr, 0.0);
-            candidates = {{{x, -1}, {middle, -1}, ofKept, ofGone}};  // at needles side by side only an end may fit
-            count = 4;
+            candidates = {{{x, -1}, {middle, -1}, ofKept, ofGone}};
+            count = length < kShort * size_[at(kept)] ? 4 : 2;
         } else if (constraintOf(gone) == constraintOf(kept)) {
             if (constraintOf(gone) == Constraint::OnRim && !slides(gone, kept)) {
                 if (!slides(kept, gone)) return;

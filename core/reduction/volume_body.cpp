@@ -52,7 +52,7 @@ constexpr double kWorthIt = 0.8;
 constexpr int kAtMostTimes = 4;
 /// A needle has an edge shorter than this part of the longest ones at both of its ends.
 constexpr double kNeedle = 0.05;
-/// And its direction leaves the planes of the triangles at one of its ends by the sine of at most this (17 degrees).
+/// Sine of the angle between its edge and the triangles at one of its ends, at most (17 degrees).
 constexpr double kWithin = 0.3;
 constexpr const char* kNoFilling = "no-filling";
 /// Steps of the grid across a body, see OnGrid: 2^34. Much finer than what TetGen takes for a plane (1e-8 of an edge), much coarser than rounding.
@@ -174,8 +174,8 @@ Result<TetrahedralMesh> filled(SolvedBody& out, const VolumeDetail& detail, cons
     return filling;
 }
 
-/// Vertices of a body in the place of `mesh` without its needles: one less for each edge that is a small part of those around and whose one end lies near the planes around the other, so
-/// that no shape is lost without it; edges across thin walls are as short.
+/// The number of vertices that a mesh has without its needles: one less for each edge that is short beside those around it and runs along the surface at one of its ends, so that its
+/// collapse costs no shape. Edges across thin walls are short, too, but run across it at both.
 int withoutNeedles(const TriangleMesh& mesh) {
     const EdgeTable edges(mesh.triangles);
     const VertexCorners corners(mesh);
@@ -252,9 +252,9 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
         if (!out && own > kAtMostTimes * vertices) return fail(kNoFilling, "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");
     }
     // Where cuts pass close by vertices, and where surfaces were united, bodies have needles, which TetGen fills with many tetrahedra, flat ones among them.
-    const bool asItIs = detail.onItself && detail.rim <= 0.0;
-    if (const int fewer = withoutNeedles(surface.triangles()); !out && !asItIs && fewer < own)
-        if (auto clean = onDecimated(surface, fewer, progress)) out = std::move(*clean);
+    if (const bool asItIs = detail.onItself && detail.rim <= 0.0; !out && !asItIs)
+        if (const int fewer = withoutNeedles(surface.triangles()); fewer < own)
+            if (auto clean = onDecimated(surface, fewer, progress)) out = std::move(*clean);
     if (!out) out = onItself(surface.mesh, surface);
     auto filling = filled(*out, detail, progress);
     if (progress.cancelled()) return cancelled();

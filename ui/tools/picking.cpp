@@ -348,11 +348,11 @@ std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e) {
 
 std::optional<PoseGrip> nearestGrip(Session& session, PartId id, const Vec3& place) {
     std::optional<PoseGrip> best;
-    double nearest = 0.0;
+    std::pair<bool, double> nearest;  // a handle that is pinned holds the body: it comes last
     const auto offer = [&](const PoseGrip& grip) {
         const auto at = gripPosition(session, grip);
         if (!at) return;
-        const double distance = (*at - place).norm();
+        const std::pair distance(grip.isHandle() && isPinned(session.document(), grip), (*at - place).norm());
         if (best && distance >= nearest) return;
         nearest = distance;
         best = grip;

@@ -82,6 +82,7 @@ std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, doubl
 /// Whichever of both is under the pointer, ends of bones first.
 std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e);
 /// The end of a bone through the element, or the handle of it, that is nearest to a place of the flesh as it is posed.
+/// A pinned handle only where there is nothing else.
 std::optional<PoseGrip> nearestGrip(Session& session, PartId element, const Vec3& place);
 
 /// How the flesh of a patch of an element lies now: the rigid motion nearest to those of its vertices, in the world.

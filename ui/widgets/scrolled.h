@@ -7,34 +7,28 @@
 
 namespace imomushi {
 
-/// `content` without a frame around, which is scrolled where there is less room than it needs.
-inline QScrollArea* scrolled(QWidget* content, QWidget* parent) {
-    auto* scroll = new QScrollArea(parent);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setFocusPolicy(Qt::NoFocus);
-    scroll->setWidget(content);
-    return scroll;
-}
-
-/// Rows of words, cards and fields, scrolled up and down where there is less height than they need. It is as wide as they ask for, and each has the height that its words need at
-/// the width which the scroll bar leaves.
-class ScrolledRows : public QScrollArea {
+/// What is scrolled where there is less room than it needs, without a frame.
+class Scrolled : public QScrollArea {
 public:
-    ScrolledRows(QWidget* rows, QWidget* parent) : QScrollArea(parent) {
+    Scrolled(QWidget* content, QWidget* parent) : QScrollArea(parent) {
         setWidgetResizable(true);
         setFrameShape(QFrame::NoFrame);
         setFocusPolicy(Qt::NoFocus);
-        setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-        setWidget(rows);
+        setWidget(content);
     }
+};
+
+/// Rows of words, cards and fields that are only scrolled up and down. As wide as they ask for; each row has the height that its words need beside the scroll bar.
+class ScrolledRows : public Scrolled {
+public:
+    ScrolledRows(QWidget* rows, QWidget* parent) : Scrolled(rows, parent) { setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff); }
     [[nodiscard]] QSize minimumSizeHint() const override {
-        return {widget()->minimumSizeHint().width() + verticalScrollBar()->sizeHint().width(), QScrollArea::minimumSizeHint().height()};
+        return {widget()->minimumSizeHint().width() + verticalScrollBar()->sizeHint().width(), Scrolled::minimumSizeHint().height()};
     }
 
 protected:
     void resizeEvent(QResizeEvent* event) override {
-        QScrollArea::resizeEvent(event);
+        Scrolled::resizeEvent(event);
         if (widget()->hasHeightForWidth()) widget()->setMinimumHeight(widget()->heightForWidth(viewport()->width()));
     }
 };

@@ -56,10 +56,10 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     inspectorDock_ = dock("inspectorDock", inspector_, Qt::RightDockWidgetArea);
     effectsDock_ = dock("effectsDock", effects_, Qt::RightDockWidgetArea);
     accuracy_ = new AccuracyPanel(document, costs, &window);
-    accuracyDock_ = dock("accuracyDock", scrolled(accuracy_, &window), Qt::BottomDockWidgetArea);
+    accuracyDock_ = dock("accuracyDock", new Scrolled(accuracy_, &window), Qt::BottomDockWidgetArea);
     accuracyDock_->hide();
     takes_ = new TakesPanel(document, deck, actions, &window);
-    takesDock_ = dock("takesDock", scrolled(takes_, &window), Qt::BottomDockWidgetArea);
+    takesDock_ = dock("takesDock", new Scrolled(takes_, &window), Qt::BottomDockWidgetArea);
     takesDock_->widget()->setMinimumHeight(takes_->minimumHeight());
     // Later: while docks find their places, panels are narrow for a moment. Whoever made the dock higher than it must be keeps its height.
     connect(takes_, &TakesPanel::heightWanted, this, [this](int pixels) {
