@@ -6,7 +6,7 @@
 
 #include "app/build_facts.h"
 #include "app/headless/runner.h"
-#include "core/document/version.h"
+#include "core/project/version.h"
 #include "core/worker/worker.h"
 #ifdef IMOMUSHI_STUDIO
 #include "ui/studio.h"

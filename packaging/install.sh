@@ -19,7 +19,7 @@ build_packages=(
     # at run time: OpenGL without a graphics card or display, Qt's X11 and Wayland platforms, fonts for both languages
     libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland qt6-translations-l10n fonts-inter fonts-noto-cjk
 )
-test_packages=(doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool imagemagick
+test_packages=(python3 doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool imagemagick
     # finite elements to compare with
     libgmsh-dev)
 fuzz_packages=(clang libclang-rt-14-dev)

@@ -8,11 +8,11 @@ target_link_libraries(imomushi_precompiled_studio PRIVATE Qt6::Gui)
 target_precompile_headers(imomushi_precompiled_studio PRIVATE <QAction> <QEvent> <QLocale> <QMouseEvent> <QObject> <QPainter> <QSettings> <QString> <QTimer>)
 set(IMOMUSHI_PRECOMPILED imomushi_precompiled_studio)
 
-imomushi_library(imomushi_models ui/models imomushi_document Qt6::Gui)
+imomushi_library(imomushi_models ui/models imomushi_commands Qt6::Gui)
 # Its texts have the translator's context of texts.cpp.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/ui/models/effect_texts.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-imomushi_library(imomushi_jobs ui/jobs imomushi_models)
+imomushi_library(imomushi_jobs ui/jobs imomushi_models imomushi_reports)
 imomushi_library(imomushi_tools ui/tools imomushi_jobs imomushi_scene)
 imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools imomushi_widgets Qt6::OpenGLWidgets)

@@ -10,9 +10,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/commands/core_commands.h"
 #include "core/document/command.h"
-#include "core/document/response_store.h"
-#include "core/document/version.h"
+#include "core/project/response_store.h"
+#include "core/project/version.h"
+#include "core/reports/report_commands.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/failures.h"
 #include "ui/widgets/appearance.h"
@@ -58,6 +60,7 @@ int runStudio(int argc, char** argv) {
     prepareStudio();
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     // What was computed once is there for other projects too.
     const QString cache = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + QStringLiteral("/responses");
     MainWindow window(registry, std::make_shared<ResponseStore>(PreferencesDialog::responseLimits(), std::filesystem::path(cache.toStdString())));

@@ -6,8 +6,10 @@
 #include <iostream>
 #include <set>
 
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "core/document/command_support.h"
-#include "core/document/session.h"
+#include "core/reports/report_commands.h"
 #ifdef IMOMUSHI_RENDER_COMMAND
 #include "app/headless/render_command.h"
 #endif
@@ -89,6 +91,7 @@ bool perform(Session& session, int number, const std::string& line, std::ostream
 CommandRegistry headlessRegistry() {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
 #ifdef IMOMUSHI_RENDER_COMMAND
     addRenderCommand(registry);
 #endif

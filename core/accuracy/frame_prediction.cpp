@@ -3,9 +3,9 @@
 
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/try.h"
-#include "core/character/touch_job.h"
 #include "core/comparison/test_motion.h"
 #include "core/comparison/timing.h"
+#include "core/effects/touch_job.h"
 
 namespace imomushi {
 

@@ -9,10 +9,10 @@
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
 #include "core/base/try.h"
-#include "core/character/previous_model_job.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/timing.h"
+#include "core/effects/previous_model_job.h"
 #include "core/mesh/bounds.h"
 
 namespace imomushi {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/character/touch_job.h"
+#include "core/effects/touch_job.h"
 #include "core/mesh/triangle_tree.h"
 
 namespace imomushi {
@@ -39,7 +39,7 @@ TestFinger::TestFinger(const CharacterInput& input) {
 }
 
 void TestFinger::press(Character& character) const {
-    if (element_ >= 0) (void)character.setFinger(element_, 0, point_, character.frame(element_) * pressed_, 0.0);
+    if (element_ >= 0) (void)setFinger(character, element_, 0, point_, character.frame(element_) * pressed_, 0.0);
 }
 
 StudyFrames::StudyFrames(Character& character, const StudyInput::Effect* effect)

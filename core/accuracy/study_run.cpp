@@ -11,11 +11,11 @@
 #include "core/accuracy/synthetic_response.h"
 #include "core/base/clock.h"
 #include "core/base/try.h"
-#include "core/character/smooth_joints_job.h"
-#include "core/character/touch_job.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
 #include "core/comparison/timing.h"
+#include "core/effects/smooth_joints_job.h"
+#include "core/effects/touch_job.h"
 
 namespace imomushi {
 

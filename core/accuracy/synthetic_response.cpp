@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/character/body_loads_job.h"
+#include "core/effects/body_loads_job.h"
 
 namespace imomushi {
 

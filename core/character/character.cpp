@@ -123,19 +123,9 @@ void Character::stop() { state_->frame.stopped = true; }
 
 void Character::tune(const CharacterEffects& effects) { state_->jobs.tune(effects); }
 
-bool Character::setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius) {
-    return state_->touch && state_->touch->setFinger(element, finger, rest, target, radius);
-}
-
-void Character::liftFinger(int element, int finger) {
-    if (state_->touch) state_->touch->liftFinger(element, finger);
-}
+FrameJobs& Character::jobs() const { return state_->jobs; }
 
 const Pose& Character::pose() const { return state_->frame.pose; }
-
-std::span<const FleshPoint> Character::groundFlesh() const { return state_->ground ? state_->ground->flesh() : std::span<const FleshPoint>(); }
-
-std::span<const FleshDepth> Character::groundDepths() const { return state_->ground ? state_->ground->depths() : std::span<const FleshDepth>(); }
 
 bool Character::resting() const { return state_->jobs.resting(state_->frame); }
 

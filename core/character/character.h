@@ -123,15 +123,13 @@ public:
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);
-    /// A finger (0 ... TouchContact::kFingers - 1) on an element: at the surface point nearest to `rest` (m, rest pose) it pushes towards `target` (m, world).
-    /// radius: m, 0: as small as can be. Or moves one that is there. False: the element feels no touch, or the point is not a number.
-    bool setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius);
-    void liftFinger(int element, int finger);
+    /// The job of one of its effects, for what that takes and tells besides settings; null: it has none. It stays while the character does.
+    template <class Job>
+    [[nodiscard]] Job* job() const {
+        return jobs().template find<Job>();
+    }
 
     [[nodiscard]] const Pose& pose() const;  ///< of the last update()
-    /// With the effect "ground": flesh that it may meet, as of the last update() (GroundJob). Else empty.
-    [[nodiscard]] std::span<const FleshPoint> groundFlesh() const;
-    [[nodiscard]] std::span<const FleshDepth> groundDepths() const;
 
     /// No effect goes on by itself: the next update() of the same pose changes nothing.
     [[nodiscard]] bool resting() const;
@@ -224,6 +222,7 @@ public:
 
 private:
     struct State;
+    [[nodiscard]] FrameJobs& jobs() const;
     explicit Character(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };

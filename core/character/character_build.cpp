@@ -60,8 +60,6 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     for (const auto& effect : input.effects)
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;
     for (const auto& e : frame.elements) weighs = weighs || e.fades;
-    touch = jobs.find<TouchJob>();
-    ground = jobs.find<GroundJob>();
     if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, knownMeshes);
     for (int m = 0; m < static_cast<int>(input.renderMeshes.size()); ++m) frame.morphs.push_back(renderMeshes->restWeights(m));
     frame.askedMorphs = frame.morphs;

@@ -5,12 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/character/deform_input.h"
 #include "core/character/frame.h"
 #include "core/character/frame_job.h"
-#include "core/character/deform_input.h"
-#include "core/character/ground_job.h"
 #include "core/character/render_mesh_job.h"
-#include "core/character/touch_job.h"
 #include "core/skeleton/skeleton.h"
 
 // Of the character's own files alone.
@@ -99,9 +97,7 @@ struct Character::State {
     double dentMs = 0.0;  // of placing dents, since beginTimes()
     bool weighs = false;  // effects are automatic
     const Pose poseOfRest = restPose(frame.input.skeleton);
-    TouchJob* touch = nullptr;  // of jobs, null: none
-    GroundJob* ground = nullptr;
-    RenderMeshJob* renderMeshes = nullptr;
+    RenderMeshJob* renderMeshes = nullptr;  // of jobs, null: none
     InverseKinematics kinematics;
     std::vector<std::vector<int>> jointsOf;  // per element: those that its faces belong to, ascending
     std::vector<SeamNormal> seams;

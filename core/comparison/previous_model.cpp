@@ -6,7 +6,7 @@
 #include <map>
 
 #include "core/base/try.h"
-#include "core/character/previous_model_job.h"
+#include "core/effects/previous_model_job.h"
 
 namespace imomushi {
 

@@ -9,7 +9,7 @@
 #include "core/base/union_find.h"
 #include "core/document/embed_model.h"
 #include "core/document/names.h"
-#include "core/document/seam.h"
+#include "core/joints/seam.h"
 #include "core/skeleton/body_follows.h"
 
 namespace imomushi {

@@ -185,15 +185,14 @@ std::vector<MeshIssue> mendableIssues(const RenderModel& model) {
     return any ? std::move(seen->found) : std::vector<MeshIssue>();
 }
 
-Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendRequest& request, const Progress& progress) {
-    const CharacterSource character = *edit.document.characters.at(id);  // shares model and body
+Result<MendReport> mendCharacter(Document& document, PartId id, const MendRequest& request, const BodyMaker& maker, const Progress& progress) {
+    const CharacterSource character = *document.characters.at(id);  // shares model and body
     MendReport report;
     report.character = id;
     report.before = report.after = unmended(character.issues);
     MendPlan plan = planFor(character, request);
     report.unneeded = std::move(plan.unneeded);
     if (plan.steps.empty()) return report;
-    const BodyMaker maker = [&edit](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& part) { return edit.makeBody(model, rig, setting, part); };
     IMOMUSHI_TRY(auto mending, mend(*character.model, character.rig.get(), plan, maker, progress));
 
     std::vector<MeshIssue> issues;
@@ -206,21 +205,21 @@ Result<MendReport> mendCharacter(DocumentEdit& edit, PartId id, const MendReques
         std::vector<MeshIssue> said = std::exchange(made.issues, {});
         if (made.how == BodyKind::Wrapped && !hasCode(said, "wrapped")) said.push_back({Severity::Info, "wrapped", "A new surface around everything was made.", 1, true, {}, {}});
         std::copy_if(said.begin(), said.end(), std::back_inserter(report.done), [](const MeshIssue& i) { return i.fixed; });
-        IMOMUSHI_TRY(report.changed, changeBody(edit.document, id, std::make_shared<const Body>(std::move(*mending.body)), progress));
+        IMOMUSHI_TRY(report.changed, changeBody(document, id, std::make_shared<const Body>(std::move(*mending.body)), progress));
         issues = issuesWith(character.issues, *character.model, std::move(said));
     }
     report.after = unmended(issues);
-    exchangePart(edit.document.characters, id, [&](CharacterSource& changed) { changed.issues = std::move(issues); });
+    exchangePart(document.characters, id, [&](CharacterSource& changed) { changed.issues = std::move(issues); });
     return report;
 }
 
-Result<MendReport> mendElement(DocumentEdit& edit, PartId id, const MendRequest& request, const Progress& progress) {
-    const auto& piece = edit.document.elements.at(id)->piece;
-    if (piece) return mendCharacter(edit, piece->character, request, progress);
+Result<MendReport> mendElement(Document& document, PartId id, const MendRequest& request, const BodyMaker& maker, const Progress& progress) {
+    const auto& piece = document.elements.at(id)->piece;
+    if (piece) return mendCharacter(document, piece->character, request, maker, progress);
     MendReport report;
-    const PartId character = wholeOf(edit.document, id, request, report);
+    const PartId character = wholeOf(document, id, request, report);
     if (character == 0) return report;
-    return mendCharacter(edit, character, request, progress);
+    return mendCharacter(document, character, request, maker, progress);
 }
 
 Result<MendRequest> mendRequestFrom(const Json& arguments) {

@@ -5,9 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/body/body.h"
 #include "core/body/repair.h"
 #include "core/document/command.h"
-#include "core/document/document_edit.h"
+#include "core/document/document.h"
 
 // Mending as a change of a document. What is seen of a character or an element is never changed: the body that moves it is made again. A character that came in unmended has
 // a wrap around everything until all that is wrong with its mesh is mended; which steps are done follows from its issues.
@@ -36,10 +37,10 @@ inline constexpr double kPassingDetail = 1.0 / 60.0;
 /// What is wrong with a mesh, for a character that comes in as it is. Empty where nothing can be mended.
 std::vector<MeshIssue> mendableIssues(const RenderModel& model);
 
-/// Mends the body of a character. Errors: those of makeBody() and changeBody(), "cancelled".
-Result<MendReport> mendCharacter(DocumentEdit& edit, PartId character, const MendRequest& request, const Progress& progress);
+/// Mends the body of a character by bodies of `maker`. Errors: its own and changeBody(), "cancelled".
+Result<MendReport> mendCharacter(Document& document, PartId character, const MendRequest& request, const BodyMaker& maker, const Progress& progress);
 /// The same of an element: of its character, or of itself, which becomes a character if there is something to mend; its render model is what was seen of it.
-Result<MendReport> mendElement(DocumentEdit& edit, PartId element, const MendRequest& request, const Progress& progress);
+Result<MendReport> mendElement(Document& document, PartId element, const MendRequest& request, const BodyMaker& maker, const Progress& progress);
 
 /// The slow work of a command "repair", without the document: asks `maker` for the bodies that the command will ask for. Any thread may run it.
 using MendWork = std::function<void(const BodyMaker& maker, const Progress& progress)>;

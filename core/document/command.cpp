@@ -11,13 +11,6 @@ namespace imomushi {
 
 namespace {
 
-bool allFinite(const Json& value) {
-    if (value.is_number_float()) return std::isfinite(value.get<double>());
-    if (value.is_structured())
-        return std::all_of(value.begin(), value.end(), [](const Json& part) { return allFinite(part); });
-    return true;
-}
-
 bool isInteger(const Json& value) {
     if (value.is_number_unsigned()) return value.get<std::uint64_t>() <= static_cast<std::uint64_t>(kLargestInteger);
     if (value.is_number_integer()) {
@@ -44,6 +37,13 @@ bool hasType(const Json& value, CommandKey::Type type) {
 }
 
 }  // namespace
+
+bool allFinite(const Json& value) {
+    if (value.is_number_float()) return std::isfinite(value.get<double>());
+    if (value.is_structured())
+        return std::all_of(value.begin(), value.end(), [](const Json& part) { return allFinite(part); });
+    return true;
+}
 
 std::string_view typeText(CommandKey::Type type) {
     switch (type) {

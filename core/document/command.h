@@ -54,11 +54,11 @@ private:
     std::vector<Command> commands_;
 };
 
+/// No number in it is NaN or infinite.
+bool allFinite(const Json& value);
+
 /// Checks the shape of a command: unknown, missing and mistyped keys, numbers that are not finite.
 /// Errors: "unknown-key", "missing-key", "bad-type", "not-finite".
 Result<void> checkArguments(const Command& command, const Json& arguments);
-
-/// The commands of core (all but those that draw). Adds to `registry`.
-void addCoreCommands(CommandRegistry& registry);
 
 }  // namespace imomushi

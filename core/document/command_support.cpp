@@ -132,36 +132,4 @@ Json placeJson(const Document& document, const Bone::Place& place) {
     return json(std::get<Vec3>(place));
 }
 
-void addCoreCommands(CommandRegistry& registry) {
-    addFileCommands(registry);
-    addImportCommands(registry);
-    addRigCommands(registry);
-    addRepairCommands(registry);
-    addAppendCommand(registry);
-    addDuplicateCommand(registry);
-    addMirrorCommand(registry);
-    addReplaceCommand(registry);
-    addElementCommands(registry);
-    addCutCommands(registry);
-    addProposalCommands(registry);
-    addMakeSoftCommand(registry);
-    addHandleCommands(registry);
-    addAttachCommands(registry);
-    addMorphCommands(registry);
-    addAvatarCommands(registry);
-    addBoneCommands(registry);
-    addPropertyCommands(registry);
-    addEffectCommands(registry);
-    addPoseCheckCommands(registry);
-    addSolveCommands(registry);
-    addPoseCommands(registry);
-    addTakeCommands(registry);
-    addExportCommands(registry);
-    addHistoryCommands(registry);
-    addMeasureCommands(registry);
-    addPaperCommand(registry);
-    addAccuracyCommands(registry);
-    addReportCommand(registry);
-}
-
 }  // namespace imomushi

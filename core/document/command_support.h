@@ -130,42 +130,4 @@ void exchangePart(Parts& parts, PartId id, Change&& change) {
     part = std::move(copy);
 }
 
-/// Sets a property of an effect. Errors: "no-such-property", "bad-value", "bad-type".
-Result<void> setEffect(Effects& effects, EffectKind kind, const std::string& property, const Json& value);
-/// Names of the effects that are on; `all`: every effect with its settings.
-Json effectsJson(const Document& document, bool all);
-/// All settings of effects with units and ranges, for `imomushi run --help`.
-std::string effectsHelp();
-
-// Each adds some commands to a registry.
-void addFileCommands(CommandRegistry& registry);      // new, open, save, save-script, list
-void addImportCommands(CommandRegistry& registry);    // import-element, import-character
-void addRigCommands(CommandRegistry& registry);       // import-skeleton, take-clip
-void addRepairCommands(CommandRegistry& registry);    // repair
-void addAppendCommand(CommandRegistry& registry);     // append
-void addDuplicateCommand(CommandRegistry& registry);  // duplicate
-void addMirrorCommand(CommandRegistry& registry);     // mirror
-void addReplaceCommand(CommandRegistry& registry);    // replace-mesh
-void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
-void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut
-void addProposalCommands(CommandRegistry& registry);  // propose
-void addMakeSoftCommand(CommandRegistry& registry);   // make-soft
-void addHandleCommands(CommandRegistry& registry);    // handle, remove-handle
-void addAttachCommands(CommandRegistry& registry);    // attach, turn-part
-void addMorphCommands(CommandRegistry& registry);     // morph
-void addAvatarCommands(CommandRegistry& registry);    // express
-void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
-void addPropertyCommands(CommandRegistry& registry);  // set, rename
-void addEffectCommands(CommandRegistry& registry);    // enable, disable
-void addPoseCheckCommands(CommandRegistry& registry); // check-pose
-void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
-void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step
-void addTakeCommands(CommandRegistry& registry);      // record, play, rename-take, duplicate-take, trim-take, remove-take
-void addExportCommands(CommandRegistry& registry);    // export
-void addHistoryCommands(CommandRegistry& registry);   // undo, redo
-void addMeasureCommands(CommandRegistry& registry);   // measure, write-mesh
-void addPaperCommand(CommandRegistry& registry);      // paper
-void addAccuracyCommands(CommandRegistry& registry);  // accuracy
-void addReportCommand(CommandRegistry& registry);     // report
-
 }  // namespace imomushi

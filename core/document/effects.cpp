@@ -6,17 +6,17 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/character/bend_warp_job.h"
-#include "core/character/body_loads_job.h"
-#include "core/character/contact_job.h"
-#include "core/character/ground_job.h"
-#include "core/character/joint_dynamics_job.h"
-#include "core/character/previous_model_job.h"
-#include "core/character/smooth_joints_job.h"
-#include "core/character/touch_job.h"
 #include "core/document/bone_effects.h"
 #include "core/document/character_input.h"
 #include "core/document/effect_meetings.h"
+#include "core/effects/bend_warp_job.h"
+#include "core/effects/body_loads_job.h"
+#include "core/effects/contact_job.h"
+#include "core/effects/ground_job.h"
+#include "core/effects/joint_dynamics_job.h"
+#include "core/effects/previous_model_job.h"
+#include "core/effects/smooth_joints_job.h"
+#include "core/effects/touch_job.h"
 
 namespace imomushi {
 

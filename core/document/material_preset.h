@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/character/body_loads_job.h"
 #include "core/document/document.h"
+#include "core/effects/body_loads_job.h"
 
 namespace imomushi {
 

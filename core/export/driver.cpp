@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/character/body_loads_job.h"
-#include "core/character/joint_equilibrium.h"
 #include "core/character/lateral_contraction.h"
-#include "core/character/previous_model_job.h"
-#include "core/character/smooth_joints_job.h"
+#include "core/effects/body_loads_job.h"
+#include "core/effects/joint_equilibrium.h"
+#include "core/effects/previous_model_job.h"
+#include "core/effects/smooth_joints_job.h"
 #include "core/skeleton/bone_tree.h"
 
 namespace imomushi {

@@ -8,20 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/triangle_mesh.h"
 #include "core/base/vec3.h"
 
 namespace imomushi {
-
-/// #V x 3, a point per row, contiguous as xyz xyz ...
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-/// #F x 3, the corners of a triangle per row, counter-clockwise seen from outside.
-using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-/// A triangle surface. Metres, +Y up, right-handed.
-struct TriangleMesh {
-    Points vertices;
-    Triangles triangles;
-};
 
 /// A picture that came in with a mesh, as its encoded bytes (PNG, JPEG, ...).
 struct Texture {

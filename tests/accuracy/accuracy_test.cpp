@@ -17,8 +17,8 @@
 #include "core/accuracy/study.h"
 #include "core/accuracy/study_json.h"
 #include "core/accuracy/synthetic_response.h"
-#include "core/character/smooth_joints_job.h"
 #include "core/comparison/paper_caterpillar.h"
+#include "core/effects/smooth_joints_job.h"
 #include "tests/support/folder.h"
 
 using namespace imomushi;

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/document/session.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "tests/support/plain_sample.h"
 
 using namespace imomushi;

@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/character/contact_job.h"
-#include "core/document/session.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
+#include "core/effects/contact_job.h"
 #include "tests/character/caterpillar.h"
 #include "tests/support/plain_sample.h"
 

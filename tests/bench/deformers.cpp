@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/character/bend_warp_job.h"
-#include "core/character/smooth_joints_job.h"
 #include "core/comparison/skin.h"
 #include "core/comparison/timing.h"
+#include "core/effects/bend_warp_job.h"
+#include "core/effects/smooth_joints_job.h"
 #include "tests/support/deformer_cases.h"
 
 using namespace imomushi;

@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "core/document/character_input.h"
-#include "core/document/session.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;
@@ -50,11 +51,11 @@ ImportedBody bar(int n) {
 }
 
 void buildChain(Session& session) {
-    session.setImporter([](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+    session.services().import = [](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
         ImportResult result;
         result.bodies.push_back(bar(std::stoi(request.path.string())));
         return result;
-    });
+    };
     for (int n = 0; n < kElements; ++n) {
         const std::string name = "e" + std::to_string(n);
         run(session, {{"do", "import-element"}, {"path", std::to_string(n)}, {"name", name}});

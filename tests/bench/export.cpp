@@ -13,7 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/document/session.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "core/io/import.h"
 #include "tests/support/shapes.h"
 
@@ -56,12 +57,12 @@ int main(int argc, char** argv) {
     CommandRegistry registry;
     addCoreCommands(registry);
     Session session(registry);
-    session.setImporter([](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+    session.services().import = [](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
         ImportResult result;
         result.format = "shape";
         result.bodies.push_back(body(request.path.string(), request.path.string() == "A" ? 0 : 1, 125'000.0));
         return result;
-    });
+    };
     for (const char* name : {"A", "B"}) {
         const double z = name[0] == 'A' ? 0.0 : 6.0;
         run(session, {{"do", "import-element"}, {"path", name}, {"name", name}});

@@ -14,10 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "core/character/smooth_joints_job.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "core/document/command_support.h"
-#include "core/document/seam.h"
-#include "core/document/session.h"
+#include "core/effects/smooth_joints_job.h"
+#include "core/joints/seam.h"
 #include "core/mesh/topology.h"
 #include "tests/character/full_joints.h"
 #include "tests/support/plain_sample.h"

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/document/accuracy_commands.h"
+#include "core/commands/core_commands.h"
+#include "core/reports/accuracy_commands.h"
+#include "core/reports/report_commands.h"
 
 using namespace imomushi;
 
@@ -18,6 +20,7 @@ int main(int count, char** arguments) {
     if (samples.empty()) samples = {"caterpillar", "octopus", "figure"};
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     double worst = 1.0, worstPrecompute = 1.0;
     for (const auto& name : samples) {
         Session session(registry);

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "core/character/bend_warp_job.h"
 #include "core/character/character.h"
+#include "core/effects/bend_warp_job.h"
 #include "core/reduction/embedded_mapping.h"
 #include "tests/character/embedded.h"
 

@@ -11,7 +11,7 @@
 #include <functional>
 #include <string>
 
-#include "core/document/project_file.h"
+#include "core/project/project_file.h"
 #include "tests/support/folder.h"
 #include "tests/support/long_take.h"
 #include "tests/support/shapes.h"

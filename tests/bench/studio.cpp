@@ -14,6 +14,7 @@
 #include <functional>
 #include <string>
 
+#include "core/commands/core_commands.h"
 #include "tests/support/own_home.h"
 #include "tests/support/shapes.h"
 #include "ui/studio.h"
@@ -115,7 +116,7 @@ int main(int argc, char** argv) {
     const QString path = folder.filePath(QStringLiteral("large.imomushi"));
     {
         Session session(registry);
-        session.setImporter([vertices](const ImportRequest& request, const Progress&) { return tube(request, vertices); });
+        session.services().import = [vertices](const ImportRequest& request, const Progress&) { return tube(request, vertices); };
         const auto run = [&](const Json& command) {
             if (const auto answer = session.execute(command); !answer) {
                 std::fprintf(stderr, "%s: %s\n", command.dump().c_str(), answer.error().message.c_str());

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/rotation_vector.h"
-#include "core/character/bend_warp_job.h"
+#include "core/effects/bend_warp_job.h"
 #include "tests/character/embedded.h"
 #include "tests/support/allocations.h"
 

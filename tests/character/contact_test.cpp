@@ -7,9 +7,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/character/bend_warp_job.h"
-#include "core/character/contact_job.h"
-#include "core/character/touch_job.h"
+#include "core/effects/bend_warp_job.h"
+#include "core/effects/contact_job.h"
+#include "core/effects/touch_job.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/winding_number.h"
 #include "tests/character/caterpillar.h"
@@ -291,10 +291,10 @@ TEST_CASE("touch: in a frame that is corrected no time passes for fingers") {
         c.correct(pose);
         CHECK((c.positions(0) - before).cwiseAbs().maxCoeff() <= 1e-6);  // single precision of a body of 2 m
     };
-    REQUIRE(c.setFinger(0, 0, Vec3(0.5, 0.0, 0.5), Vec3(0.4, 0.0, 0.5), 0.1));
+    REQUIRE(setFinger(c, 0, 0, Vec3(0.5, 0.0, 0.5), Vec3(0.4, 0.0, 0.5), 0.1));
     c.update(pose, 1.0 / 60.0);  // it is on its way in
     corrects();
-    c.liftFinger(0, 0);
+    liftFinger(c, 0, 0);
     c.update(pose, 1.0 / 60.0);  // its dent goes back
     corrects();
 }

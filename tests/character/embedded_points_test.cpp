@@ -9,6 +9,7 @@
 #include "core/base/finite.h"
 #include "core/character/deform_input.h"
 #include "core/reduction/embedded_mapping.h"
+#include "core/effects/touch_job.h"
 #include "tests/character/embedded.h"
 #include "tests/character/random_characters.h"
 #include "tests/support/allocations.h"
@@ -235,7 +236,7 @@ TEST_CASE("render mesh: points at body vertices are these in every pose, bit for
             wander(c, random, pose);
             if (input.effects.has<TouchEffect>() && frame == 3) {
                 const Vec3 at = plain.elements[1].mesh->body.vertices.row(0).transpose();
-                for (Character* which : {&c, &without}) (void)which->setFinger(1, 0, at, 0.9 * at, 0.0);
+                for (Character* which : {&c, &without}) (void)setFinger(*which, 1, 0, at, 0.9 * at, 0.0);
             }
             c.update(pose, 1.0 / 60.0);
             without.update(pose, 1.0 / 60.0);
@@ -487,8 +488,8 @@ TEST_CASE("render mesh: open, dense, two-sided, doubled, without triangles, far 
             wander(c, random, pose);
             if (input.effects.has<TouchEffect>()) {
                 const Vec3 at = body.row(0).transpose();
-                if (frame == 3) (void)c.setFinger(0, 0, at, 0.8 * at, 0.0);
-                if (frame == 7) c.liftFinger(0, 0);
+                if (frame == 3) (void)setFinger(c, 0, 0, at, 0.8 * at, 0.0);
+                if (frame == 7) liftFinger(c, 0, 0);
             }
             const auto asked = allocations();
             c.update(pose, 1.0 / 60.0);
@@ -524,7 +525,7 @@ TEST_CASE("render mesh: dents are carried, and leave with the finger") {
     c.update(pose, 1.0 / 60.0);
     const Points before = positionsOf(c).cast<double>();
     const Vec3 at(0.5, 0, 0.5), pressed = c.frame(0) * Vec3(0.35, 0, 0.5);
-    REQUIRE(c.setFinger(0, 0, at, pressed, 0.1));
+    REQUIRE(setFinger(c, 0, 0, at, pressed, 0.1));
     for (int frame = 0; frame < 120; ++frame) c.update(pose, 1.0 / 60.0);
     const Points dented = positionsOf(c).cast<double>();
     const auto body = c.surface(0);
@@ -539,7 +540,7 @@ TEST_CASE("render mesh: dents are carried, and leave with the finger") {
     CHECK(bodyDeepest > 0.02);
     CHECK(deepest > 0.5 * bodyDeepest);
     CHECK(deepest < 1.5 * bodyDeepest);
-    c.liftFinger(0, 0);
+    liftFinger(c, 0, 0);
     for (int frame = 0; frame < 600 && !c.resting(); ++frame) c.update(pose, 1.0 / 60.0);
     c.update(pose, 1.0 / 60.0);
     CHECK(positionsOf(c).cast<double>() == before);
@@ -559,7 +560,7 @@ TEST_CASE("render mesh: the number of threads changes no byte") {
         for (int frame = 0; frame < 8; ++frame) {
             const Pose pose = embedded::chainPose(input.skeleton, 0.1 * frame, 0.05 * frame, 1.0 + 0.02 * frame);
             for (Character* c : {&one, &four}) {
-                if (frame == 3) (void)c->setFinger(0, 0, Vec3(0.5, 0, 0.5), Vec3(0.3, 0, 0.5), 0.1);
+                if (frame == 3) (void)setFinger(*c, 0, 0, Vec3(0.5, 0, 0.5), Vec3(0.3, 0, 0.5), 0.1);
                 c->update(pose, 1.0 / 60.0);
             }
             CHECK(sameBytes(one, four));

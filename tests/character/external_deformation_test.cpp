@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/character/deform_input.h"
+#include "core/effects/touch_job.h"
 #include "tests/character/random_characters.h"
 #include "tests/support/allocations.h"
 
@@ -28,10 +29,10 @@ TEST_CASE("external deformation: whoever asks for a surface gets the bytes of a 
             if (coin(random)) wander(here, random, pose);
             if (input.effects.has<TouchEffect>() && rarely(random)) {
                 const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose();
-                for (Character* c : {&here, &there}) (void)c->setFinger(0, 0, at, 0.8 * at, 0.0);
+                for (Character* c : {&here, &there}) (void)setFinger(*c, 0, 0, at, 0.8 * at, 0.0);
             }
             if (input.effects.has<TouchEffect>() && rarely(random))
-                for (Character* c : {&here, &there}) c->liftFinger(0, 0);
+                for (Character* c : {&here, &there}) liftFinger(*c, 0, 0);
             if (!input.renderMeshes.empty()) {
                 const Eigen::Quaterniond turn(Eigen::AngleAxisd(coin(random) ? 0.5 : 0.0, Vec3::UnitX()));
                 const double weight = rarely(random) ? 0.7 : 0.0;
@@ -138,11 +139,11 @@ TEST_CASE("external deformation: elements under the bend warp are made here, and
     c.update(pose, 1.0 / 60.0);
     CHECK_FALSE(deformInput.elements[1].external);
     CHECK(deformInput.elements[2].external);
-    REQUIRE(c.setFinger(2, 0, Vec3(0.5, 0, 2.5), Vec3(0.4, 0, 2.5), 0.0));
+    REQUIRE(setFinger(c, 2, 0, Vec3(0.5, 0, 2.5), Vec3(0.4, 0, 2.5), 0.0));
     for (int frame = 0; frame < 3; ++frame) c.update(pose, 1.0 / 60.0);
     CHECK_FALSE(deformInput.elements[2].external);
     CHECK(deformInput.elements[3].external);
-    c.liftFinger(2, 0);
+    liftFinger(c, 2, 0);
     for (int frame = 0; frame < 600 && !c.resting(); ++frame) c.update(pose, 1.0 / 60.0);
     c.update(pose, 1.0 / 60.0);
     CHECK(deformInput.elements[2].external);

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/character/character.h"
-#include "core/character/smooth_joints_job.h"
+#include "core/effects/smooth_joints_job.h"
 #include "core/mesh/topology.h"
 
 /// What smooth joints are measured against: all degrees of freedom of all joint faces in equilibrium, with the same rigid part of every joint. For

@@ -6,7 +6,8 @@
 #include <random>
 
 #include "core/character/deform_input.h"
-#include "core/character/ground_job.h"
+#include "core/effects/ground_job.h"
+#include "core/effects/touch_job.h"
 #include "tests/character/random_characters.h"
 #include "tests/support/allocations.h"
 
@@ -25,7 +26,7 @@ double lowest(const Character& c, const Vec3& down) {
 
 double lowestFlesh(const Character& c, const Vec3& down) {
     double found = 1e30;
-    for (const FleshPoint& f : c.groundFlesh()) found = std::min(found, -down.dot(c.pose().points[static_cast<std::size_t>(f.point)] + f.offset));
+    for (const FleshPoint& f : groundFlesh(c)) found = std::min(found, -down.dot(c.pose().points[static_cast<std::size_t>(f.point)] + f.offset));
     return found;
 }
 
@@ -70,7 +71,7 @@ TEST_CASE("ground: it sees the same flesh whoever deforms the elements, after a 
         for (int e = 0; e < static_cast<int>(input.elements.size()); ++e) (void)there.deformExternally(e, true);
         Pose pose = restPose(input.skeleton);
         const auto same = [&] {
-            return std::equal(here.groundFlesh().begin(), here.groundFlesh().end(), there.groundFlesh().begin(), there.groundFlesh().end(),
+            return std::equal(groundFlesh(here).begin(), groundFlesh(here).end(), groundFlesh(there).begin(), groundFlesh(there).end(),
                               [](const FleshPoint& a, const FleshPoint& b) { return a.point == b.point && a.bone == b.bone && a.offset == b.offset; });
         };
         std::vector<double> shape(static_cast<std::size_t>(here.shapeLayout().size()));
@@ -121,7 +122,7 @@ TEST_CASE("ground: flesh that is warped and stretched into it is seen in it, how
         input.effects.set(ground);
         auto c = Character::build(input).value();
         c.update(pose);
-        CHECK(c.groundDepths()[e].depth == doctest::Approx(0.2).epsilon(1e-4));
+        CHECK(groundDepths(c)[e].depth == doctest::Approx(0.2).epsilon(1e-4));
     }
 }
 
@@ -136,10 +137,10 @@ TEST_CASE("ground: where a whole character is shifted out of it, flesh of any ki
         input.effects.set(ground);
         auto c = Character::build(input).value();
         const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose(), shift(0.0, 0.3 * size, 0.0);
-        (void)c.setFinger(0, 0, at, 0.8 * at, 0.0);
+        (void)setFinger(c, 0, 0, at, 0.8 * at, 0.0);
         Pose pose = restPose(input.skeleton);
         for (int frame = 0; frame < 6; ++frame) {
-            if (frame == 4) c.liftFinger(0, 0);
+            if (frame == 4) liftFinger(c, 0, 0);
             wander(c, random, pose);
             c.update(pose, 1.0 / 60.0);
             std::vector<Points> before;

@@ -8,11 +8,11 @@
 #include <random>
 
 #include "core/base/finite.h"
-#include "core/character/bend_warp_job.h"
-#include "core/character/body_loads_job.h"
 #include "core/character/character.h"
-#include "core/character/joint_dynamics_job.h"
-#include "core/character/smooth_joints_job.h"
+#include "core/effects/bend_warp_job.h"
+#include "core/effects/body_loads_job.h"
+#include "core/effects/joint_dynamics_job.h"
+#include "core/effects/smooth_joints_job.h"
 #include "tests/support/allocations.h"
 #include "tests/support/shapes.h"
 

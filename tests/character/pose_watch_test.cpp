@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "core/character/bend_warp_job.h"
 #include "core/character/character.h"
+#include "core/effects/bend_warp_job.h"
 #include "core/skeleton/inverse_kinematics.h"
 #include "tests/character/caterpillar.h"
 #include "tests/character/embedded.h"

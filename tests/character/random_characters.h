@@ -6,13 +6,13 @@
 #include <cmath>
 #include <random>
 
-#include "core/character/bend_warp_job.h"
-#include "core/character/body_loads_job.h"
-#include "core/character/contact_job.h"
-#include "core/character/ground_job.h"
-#include "core/character/joint_dynamics_job.h"
-#include "core/character/smooth_joints_job.h"
-#include "core/character/touch_job.h"
+#include "core/effects/bend_warp_job.h"
+#include "core/effects/body_loads_job.h"
+#include "core/effects/contact_job.h"
+#include "core/effects/ground_job.h"
+#include "core/effects/joint_dynamics_job.h"
+#include "core/effects/smooth_joints_job.h"
+#include "core/effects/touch_job.h"
 #include "tests/character/caterpillar.h"
 #include "tests/character/embedded.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/character/character.h"
-#include "core/character/joint_equilibrium.h"
-#include "core/character/smooth_joints_job.h"
+#include "core/effects/joint_equilibrium.h"
+#include "core/effects/smooth_joints_job.h"
 #include "tests/character/caterpillar.h"
 #include "tests/character/full_joints.h"
 #include "tests/support/allocations.h"

@@ -5,10 +5,10 @@
 
 #include <stop_token>
 
-#include "core/character/previous_model_job.h"
 #include "core/character/standard_poses.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/previous_model.h"
+#include "core/effects/previous_model_job.h"
 #include "core/skeleton/bone_tree.h"
 #include "tests/character/caterpillar.h"
 

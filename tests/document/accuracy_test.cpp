@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/accuracy_commands.h"
+#include "core/reports/accuracy_commands.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;

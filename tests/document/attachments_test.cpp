@@ -15,7 +15,7 @@ namespace {
 
 /// A bar of 1 x 1 x 12 m with an eye, and a part "teeth" of two balls that lie apart.
 void setShapes(Workbench& w) {
-    w.session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+    w.session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
         if (request.path != "face") return Workbench::characterFile(request, progress);
         const auto ball = [](const Vec3& at) {
             TriangleMesh mesh = shapes::sphere(0.05, 1).mesh;
@@ -29,7 +29,7 @@ void setShapes(Workbench& w) {
         teeth.triangles.resize(2 * left.triangles.rows(), 3);
         teeth.triangles << left.triangles, right.triangles.array() + static_cast<std::int32_t>(left.vertices.rows());
         return Workbench::characterOf({Workbench::longBar(), ball({0.0, 0.56, 6.03}), teeth}, {"trunk", "eye", "teeth"});
-    });
+    };
 }
 
 /// The character "worm" of two elements "low" and "high" with a bone through each, cut beside the eye.

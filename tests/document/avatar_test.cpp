@@ -17,7 +17,7 @@ const std::filesystem::path kAvatarFiles = std::filesystem::path(IMOMUSHI_TEST_D
 
 struct AvatarBench : Workbench {
     explicit AvatarBench(const char* file = "avatar.glb") {
-        session.setCharacterImporter(readCharacter);
+        session.services().importCharacter = readCharacter;
         imported = good({{"do", "import-character"}, {"path", kAvatarFiles / file}, {"name", "avatar"}});
     }
     [[nodiscard]] const CharacterSource& avatar() const { return *session.document().characters.begin()->second; }
@@ -118,7 +118,7 @@ TEST_CASE("avatars: VRM 1.0 out has the humanoid map, expressions, licence, firs
         CHECK(out["extensionsUsed"] == Json{"VRMC_vrm", "VRMC_springBone"});
         // It comes in again as it went out, looking along +Z.
         Workbench again;
-        again.session.setCharacterImporter(readCharacter);
+        again.session.services().importCharacter = readCharacter;
         const Json back = again.good({{"do", "import-character"}, {"path", path}, {"name", "avatar"}});
         CHECK(back["avatar"]["expressions"] == w.imported["avatar"]["expressions"]);
         for (const Json& bone : w.imported["skeleton"])
@@ -130,7 +130,7 @@ TEST_CASE("avatars: VRM 1.0 out has the humanoid map, expressions, licence, firs
     }
     // What is no avatar is none.
     Workbench w;
-    w.session.setCharacterImporter(readCharacter);
+    w.session.services().importCharacter = readCharacter;
     w.good({{"do", "import-character"}, {"path", kAvatarFiles / "panda.glb"}, {"name", "panda"}});
     CHECK(w.code({{"do", "export"}, {"path", w.folder() / "panda.vrm"}, {"layout", "skinned"}}) == "not-an-avatar");
 }
@@ -139,7 +139,7 @@ TEST_CASE("avatars: a thumbnail goes through a project and out again, bit for bi
     const TestFolder folder;
     const auto in = folder.write("in.vrm", io_test::changedGlb(kAvatarFiles / "avatar.glb", [](auto& j) { j["extensions"]["VRMC_vrm"]["meta"]["thumbnailImage"] = 0; }));
     Workbench w;
-    w.session.setCharacterImporter(readCharacter);
+    w.session.services().importCharacter = readCharacter;
     w.good({{"do", "make-soft"}, {"path", in}, {"name", "avatar"}, {"draft", true}, {"precompute", false}});
     w.good({{"do", "save"}, {"path", folder.path() / "avatar.imomushi"}});
     Workbench other;

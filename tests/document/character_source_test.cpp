@@ -208,11 +208,11 @@ TEST_CASE("cut-all: a cut that is refused is left out and told, as long as one i
 
 TEST_CASE("cut-all: parts of a body that touch nowhere fall apart where each is cut") {
     Workbench w;
-    w.session.setCharacterImporter([](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    w.session.services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         TriangleMesh other = Workbench::longBar();
         other.vertices.col(0).array() += 30.0;
         return Workbench::characterOf({Workbench::longBar(), other}, {"left", "right"});
-    });
+    };
     w.good({{"do", "import-character"}, {"path", "pair"}, {"name", "pair"}});
     Json right = planeAt(5.3);
     right["origin"][0] = 30.0;

@@ -144,13 +144,13 @@ TEST_CASE("duplicate: in takes copies do what the first ones do, which stay as t
 
 TEST_CASE("duplicate: characters with attached parts and morph targets perform as the first ones") {
     Workbench w;
-    w.session.setCharacterImporter([](const ImportRequest&, const Progress& progress) -> Result<CharacterFile> {
+    w.session.services().importCharacter = [](const ImportRequest&, const Progress& progress) -> Result<CharacterFile> {
         auto file = Workbench::characterFile({"snowman", {}, {}, {}, {}}, progress);
         MorphTarget smile{"smile", 0.0, {0, 1, 2}, {}};
         smile.deltas = decltype(smile.deltas)::Constant(3, 3, 0.1f);
         file->renderModel.morphs.push_back(smile);
         return file;
-    });
+    };
     w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "man"}});
     w.good({{"do", "attach"}, {"character", "man"}, {"part", "eye"}, {"mode", "rigid"}});
     w.good({{"do", "add-bone"}, {"name", "back"}, {"from", {0, 0, 0.5}}, {"to", {0, 0, 11.5}}});
@@ -341,7 +341,7 @@ TEST_CASE("mirror: a limb of a character is mirrored on the same body, with cuts
 
 TEST_CASE("mirror: limbs beside each other get an image each") {
     Workbench w;
-    w.session.setCharacterImporter([](const ImportRequest&, const Progress&) { return Workbench::characterOf({shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 12.0}, 3, 3, 240).mesh}, {"trunk"}); });
+    w.session.services().importCharacter = [](const ImportRequest&, const Progress&) { return Workbench::characterOf({shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 12.0}, 3, 3, 240).mesh}, {"trunk"}); };
     w.good({{"do", "import-character"}, {"path", "fine trunk"}, {"name", "T"}});
     // Two cuts nearer to each other than what still counts as the same place across a cut.
     w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 8}}, {"normal", {0, 0, 1}}}}, {"names", {"trunk", "arm.L"}}, {"name", "shoulder.L"}});
@@ -375,14 +375,14 @@ TEST_CASE("copies: the disc of a handle stays apart from a joint face that gets 
 
 TEST_CASE("mirror: a whole character is copied with its cuts, which can be moved; textures stay where they are on it") {
     Workbench w;
-    w.session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) {
+    w.session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) {
         auto file = Workbench::characterFile(request, progress);
         RenderMesh& seen = file->renderModel.mesh.renderMesh;
         const Points& v = file->renderModel.mesh.body.vertices;
         seen.texCoords = v.leftCols(2).cast<float>();
         seen.normals = v.rowwise().normalized().cast<float>();
         return file;
-    });
+    };
     w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "left man"}});
     w.good({{"do", "cut"}, {"element", "left man"}, {"plane", {{"origin", {0, 0, 4}}, {"normal", {0.1, 0, 1}}}}, {"names", {"low", "high"}}, {"name", "waist"}});
     w.good({{"do", "cut"}, {"element", "high"}, {"plane", {{"origin", {0, 0, 8}}, {"normal", {0, 0.1, 1}}}}, {"names", {"high", "top"}}, {"name", "neck"}});

@@ -139,7 +139,7 @@ void checkSample(const std::string& sample, const std::vector<std::string>& trun
 /// Made soft and alive, not precomputed: bones alone move.
 void checkStranger(const std::string& name, const std::vector<std::string>& trunk) {
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     const Json made = w.good({{"do", "make-soft"}, {"path", IMOMUSHI_TEST_DATA "/characters/" + name + ".glb"}, {"precompute", false}, {"alive", true}});
     CHECK(made["refused"].empty());
     CHECK(w.session.document().settings.bodyFollows == 1.0);
@@ -156,7 +156,7 @@ void checkShape(const std::string& file, const std::string& trunk, std::size_t f
         return;
     }
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     const Json made = w.good({{"do", "make-soft"}, {"path", path.string()}, {"precompute", false}, {"alive", true}, {"from", "shape"}});
     CHECK(made["refused"].empty());
     CHECK(w.session.document().settings.bodyFollows == 1.0);
@@ -174,7 +174,7 @@ void checkShape(const std::string& file, const std::string& trunk, std::size_t f
 TEST_CASE("first touch: what is made alive has its effects, and without the key nothing is enabled") {
     const std::string file = IMOMUSHI_TEST_DATA "/characters/panda.glb";
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     w.good({{"do", "make-soft"}, {"path", file}, {"precompute", false}});
     CHECK(w.session.document().settings.bodyFollows == 0.0);
     for (std::size_t k = 0; k < kEffects; ++k) CHECK_FALSE(w.session.document().effects.has(static_cast<EffectKind>(k)));
@@ -182,7 +182,7 @@ TEST_CASE("first touch: what is made alive has its effects, and without the key 
 
 TEST_CASE("first touch: who is pushed down by a fifth of the height stays finite, also where the flesh has needles") {
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     w.good({{"do", "make-soft"}, {"path", IMOMUSHI_TEST_DATA "/characters/mannequin.glb"}, {"alive", true}, {"draft", true}, {"precompute", false}});
     w.good({{"do", "disable"}, {"effect", "bone-dynamics"}});
     const Vec3 hips = endsOf(w.session).at("rig:Hips")[0];

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "core/document/session.h"
+#include "core/commands/session.h"
 
 namespace imomushi {
 

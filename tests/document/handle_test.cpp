@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/document/live_character.h"
+#include "core/live/live_character.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
 #include "tests/document/workbench.h"
@@ -312,7 +312,7 @@ TEST_CASE("handle: the first one on a whole animal bends it where it stands, and
             continue;
         }
         Workbench w;
-        w.session.setCharacterImporter({});
+        w.session.services().importCharacter = importCharacter;
         w.good({{"do", "import-character"}, {"path", file.string()}});
         const PartId id = w.session.document().elements.begin()->first;
         const auto element = [&]() -> const Element& { return *w.session.document().elements.at(id); };

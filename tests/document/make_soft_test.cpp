@@ -4,8 +4,8 @@
 #include <set>
 #include <thread>
 
-#include "core/document/prepared_step.h"
-#include "core/document/proposal_commands.h"
+#include "core/commands/prepared_step.h"
+#include "core/commands/proposal_commands.h"
 #include "tests/document/workbench.h"
 #include "tests/support/capsules.h"
 #include "tests/support/random_edits.h"
@@ -16,7 +16,7 @@ namespace {
 
 /// Characters: "animal" of capsules.h, "large animal" 128 times as large, "starfish", and those of the workbench.
 void useCapsules(Workbench& w) {
-    w.session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+    w.session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
         const std::string name = request.path.string();
         static const TriangleMesh animal = capsules::animal(), starfish = capsules::starfish();
         if (name == "animal") return Workbench::characterOf({animal}, {"animal"});
@@ -27,7 +27,7 @@ void useCapsules(Workbench& w) {
             return Workbench::characterOf({large}, {"animal"});
         }
         return Workbench::characterFile(request, progress);
-    });
+    };
 }
 
 Json makeSoft(const std::string& path) { return {{"do", "make-soft"}, {"path", path}, {"precompute", false}}; }
@@ -171,11 +171,11 @@ TEST_CASE("make-soft: an element of its own becomes the whole character that an 
     Workbench w, imported;
     useCapsules(imported);
     const Json expected = imported.good(makeSoft("starfish"));
-    w.session.setImporter([](const ImportRequest&, const Progress&) -> Result<ImportResult> {
+    w.session.services().import = [](const ImportRequest&, const Progress&) -> Result<ImportResult> {
         ImportResult result;
         result.bodies.push_back(importedBody("starfish", capsules::starfish()));
         return result;
-    });
+    };
     w.good({{"do", "import-element"}, {"path", "starfish"}});
     w.good({{"do", "set"}, {"target", "starfish"}, {"property", "nu"}, {"value", 0.3}});
     const std::string before = w.content();
@@ -261,10 +261,10 @@ TEST_CASE("prepared steps: a command that was executed on a copy is taken over a
 
     // As the same step, with the same script, undone and redone as any other. Nothing is proposed again.
     int asked = 0;
-    w.session.setProposer([&](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
+    w.session.services().propose = [&](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
         ++asked;
         return proposeFor(character, request, progress);
-    });
+    };
     const auto step = std::make_shared<const PreparedStep>(std::move(*made));
     w.good({{"do", "rename"}, {"target", "it"}, {"name", "that"}});
     CHECK(!step->fits(w.session.document()));

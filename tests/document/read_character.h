@@ -6,7 +6,7 @@
 
 namespace imomushi {
 
-/// Reads a character file in this process, without a worker: for Session::setCharacterImporter().
+/// Reads a character file in this process, without a worker: for Session::services().importCharacter = .
 inline Result<CharacterFile> readCharacter(const ImportRequest& request, const Progress& progress) {
     const std::string bytes = readFile(request.path);
     auto scene = readScene({request.path, bytes}, SceneUse::Character);

@@ -29,7 +29,7 @@ Result<CharacterFile> messyFile(const ImportRequest& request, const Progress& pr
 
 struct MessyBench : Workbench {
     MessyBench() {
-        session.setCharacterImporter(messyFile);
+        session.services().importCharacter = messyFile;
     }
     Json import(const char* path, const char* body = "auto") { return good({{"do", "import-character"}, {"path", path}, {"name", "it"}, {"body", body}}); }
     const CharacterSource& it() {
@@ -50,13 +50,13 @@ const MeshIssue* issueOf(const CharacterSource& character, std::string_view code
 
 /// Two balls that overlap, as one element.
 void importTwo(Workbench& w) {
-    w.session.setImporter([](const ImportRequest&, const Progress&) -> Result<ImportResult> {
+    w.session.services().import = [](const ImportRequest&, const Progress&) -> Result<ImportResult> {
         ImportResult result;
         result.format = "shape";
         const TriangleMesh ball = shapes::sphere(1.0, 3).mesh;
         result.bodies.push_back(importedBody("two", both(ball, moved(ball, 1.0, {1.2, 0.1, 0.05}))));
         return result;
-    });
+    };
     w.good({{"do", "import-element"}, {"path", "two"}});
 }
 

@@ -24,7 +24,7 @@ Result<CharacterFile> characterFile(const ImportRequest& request, const Progress
 }
 
 void buildReplaced(Workbench& w) {
-    w.session.setCharacterImporter(characterFile);
+    w.session.services().importCharacter = characterFile;
     w.good({{"do", "import-character"}, {"path", "snowman"}, {"name", "T"}});
     w.good({{"do", "cut"}, {"element", "T"}, {"plane", {{"origin", {0, 0, 4}}, {"normal", {0, 0, 1}}}}, {"names", {"low", "mid"}}, {"name", "waist"}});
     w.good({{"do", "cut"}, {"element", "mid"}, {"plane", {{"origin", {0, 0, 8}}, {"normal", {0, 0, 1}}}}, {"names", {"mid", "top"}}, {"name", "neck"}});

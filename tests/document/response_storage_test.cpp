@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/packed_response.h"
+#include "core/project/packed_response.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;

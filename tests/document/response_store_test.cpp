@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/response_store.h"
+#include "core/project/response_store.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 
 #include <thread>
 
-#include "core/document/response_folder.h"
+#include "core/project/response_folder.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;

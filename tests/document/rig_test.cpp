@@ -74,7 +74,7 @@ Rig spine(const TriangleMesh& mesh, bool skin = true) {
 
 struct RigBench : Workbench {
     RigBench() {
-        session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+        session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
             const std::string name = request.path.string();
             if (name == "bones") {
                 if (!request.bonesSuffice) return fail("empty-mesh", "It holds bones but no mesh.");
@@ -87,7 +87,7 @@ struct RigBench : Workbench {
             if (file && name == "worm") file->rig = spine(file->renderModel.mesh.body);
             if (name == "finer worm") return characterOf({shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 12.0}, 4, 4, 41).mesh}, {"trunk"});
             return file;
-        });
+        };
     }
 
     /// Three elements that meet at the heads of "spine 3" and "spine 5", and bones from head to head under the names of the file.
@@ -424,7 +424,7 @@ TEST_CASE("skeletons: clips of third-party files as takes of their proposals, ex
     for (const auto& [file, clip] : {std::pair("Fox.glb", "Run"), std::pair("snake-animations.glb", "Side winding"), std::pair("character.glb", "walk")}) {
         CAPTURE(file);
         Workbench w;
-        w.session.setCharacterImporter(readCharacter);
+        w.session.services().importCharacter = readCharacter;
         w.good({{"do", "import-character"}, {"path", fs::path(IMOMUSHI_SHARED_MESHES) / file}, {"name", "it"}});
         const auto character = w.session.document().characters.begin()->second;
         const auto proposal = proposeFromRig(*character->rig, character->model->mesh.body, character->body->mesh, std::nullopt, {});
@@ -484,7 +484,7 @@ TEST_CASE("skeletons: clips of a file of bones alone come to the skeleton of a c
     for (const char* name : {"mannequin.glb", "avatar.glb", "avatar_vrm0.vrm"}) {
         CAPTURE(name);
         Workbench w;
-        w.session.setCharacterImporter(readCharacter);
+        w.session.services().importCharacter = readCharacter;
         w.good({{"do", "import-character"}, {"path", characters / name}, {"name", "it"}});
         CHECK(w.code({{"do", "import-character"}, {"path", characters / "walk.glb"}}) == "empty-mesh");
         CHECK(w.code({{"do", "import-clips"}, {"character", "it"}, {"path", characters / "pointer_clip.gltf"}}) == "no-counterpart");

@@ -9,9 +9,9 @@
 #include <limits>
 #include <set>
 
-#include "core/document/packed_response.h"
-#include "core/document/project_versions.h"
 #include "core/mesh/bounds.h"
+#include "core/project/packed_response.h"
+#include "core/project/project_versions.h"
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"
 #include "tests/support/long_take.h"

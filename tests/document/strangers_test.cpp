@@ -30,7 +30,7 @@ Json numbers(const Vec3& v) { return Json{v.x(), v.y(), v.z()}; }
 void checkSoft(const std::filesystem::path& path, std::size_t elements) {
     CAPTURE(path.filename().string());
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     const Json made = w.good({{"do", "make-soft"}, {"path", path.string()}, {"draft", true}, {"precompute", false}});
     const Json& body = made["body"];
     CHECK_MESSAGE(made["refused"].empty(), made["refused"].dump());
@@ -198,7 +198,7 @@ struct Outcome {
 Outcome outcome(const std::filesystem::path& path, const Eigen::Affine3d& place, const std::optional<std::string>& dragged) {
     Outcome made;
     Workbench w;
-    w.session.setCharacterImporter({});
+    w.session.services().importCharacter = importCharacter;
     const Json said = w.good({{"do", "make-soft"}, {"path", path.string()}, {"draft", dragged.has_value()}, {"precompute", false}});
     const Document document = w.session.document();
     Vec3 low = Vec3::Constant(1e30), high = -low;

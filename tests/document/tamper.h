@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
-#include "core/document/project_file.h"
-#include "core/document/sqlite.h"
+#include "core/project/project_file.h"
+#include "core/project/sqlite.h"
 #include "tests/support/folder.h"
 
 // What a hostile writer does to a project file.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/project_versions.h"
+#include "core/project/project_versions.h"
 
 #include "tests/document/tamper.h"
 #include "tests/document/workbench.h"

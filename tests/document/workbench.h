@@ -8,8 +8,10 @@
 #include <fstream>
 #include <string>
 
-#include "core/document/project_file.h"
-#include "core/document/session.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
+#include "core/project/project_file.h"
+#include "core/reports/report_commands.h"
 #include "tests/support/folder.h"
 #include "tests/support/shapes.h"
 
@@ -19,6 +21,7 @@ inline const CommandRegistry& coreRegistry() {
     static const CommandRegistry registry = [] {
         CommandRegistry made;
         addCoreCommands(made);
+        addReportCommands(made);
         return made;
     }();
     return registry;
@@ -42,7 +45,7 @@ inline ImportedBody importedBody(std::string name, TriangleMesh mesh, bool close
 class Workbench {
 public:
     explicit Workbench(std::shared_ptr<ResponseStore> store = nullptr) : session(coreRegistry(), std::move(store)) {
-        session.setImporter([](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+        session.services().import = [](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
             const std::string name = request.path.string();
             ImportResult result;
             result.format = "shape";
@@ -62,8 +65,8 @@ public:
             else
                 return fail("file-not-found", "There is no such shape.");
             return result;
-        });
-        session.setCharacterImporter(characterFile);
+        };
+        session.services().importCharacter = characterFile;
     }
 
     static Result<CharacterFile> characterFile(const ImportRequest& request, const Progress&) {

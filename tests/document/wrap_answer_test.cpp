@@ -23,7 +23,7 @@ struct Handled {
     PartId id = 0;
 
     Handled(const fs::path& path, const char* body) {
-        w.session.setCharacterImporter(readCharacter);
+        w.session.services().importCharacter = readCharacter;
         w.good({{"do", "import-character"}, {"path", path}, {"name", "it"}, {"body", body}});
         id = w.session.document().characters.begin()->first;
         const Points& rest = w.session.document().characters.begin()->second->model->mesh.body.vertices;

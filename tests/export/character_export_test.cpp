@@ -96,9 +96,9 @@ CharacterFile talkingWorm() {
 
 struct Worm : Workbench {
     explicit Worm(const char* basis = "affine", std::initializer_list<const char*> effects = {}, const char* path = "worm") {
-        session.setCharacterImporter([](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+        session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
             return request.path == "worm" ? wormFile() : request.path == "smiling worm" ? smilingWorm() : request.path == "talking worm" ? talkingWorm() : characterFile(request, progress);
-        });
+        };
         good({{"do", "import-character"}, {"path", path}, {"name", "芋虫"}, {"body", "wrapped"}, {"detail", 0.03}});
         good({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", basis}});
         for (const char* effect : effects) good({{"do", "enable"}, {"effect", effect}});
@@ -605,11 +605,11 @@ TEST_CASE("characters: a penguin with handles, and one that is cut, go out verte
     for (const bool cut : {false, true}) {
         CAPTURE(cut);
         Workbench w;
-        w.session.setCharacterImporter([&](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+        w.session.services().importCharacter = [&](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
             CharacterFile file;
             file.renderModel = readModel(path);
             return file;
-        });
+        };
         w.good({{"do", "import-character"}, {"path", path.string()}, {"name", "penguin"}});
         if (cut) {
             const auto plane = [](Json origin, Json normal) { return Json{{"origin", std::move(origin)}, {"normal", std::move(normal)}}; };

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/document/export_commands.h"
+#include "core/commands/export_commands.h"
 #include "core/export/morphs.h"
 #include "tests/document/workbench.h"
 

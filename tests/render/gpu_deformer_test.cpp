@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/character/character.h"
+#include "core/effects/touch_job.h"
 #include "tests/character/random_characters.h"
 #include "tests/render/picture.h"
 #include "ui/render/offscreen.h"
@@ -203,7 +204,7 @@ TEST_CASE("gpu: vertices and normals of any character are those that the process
             if (frame > 0) wander(twins.here(), random, pose);
             if (input.effects.has<TouchEffect>() && frame == 2) {
                 const Vec3 at = input.elements[0].mesh->body.vertices.row(0).transpose();
-                for (Character* c : {&twins.here(), &twins.there()}) (void)c->setFinger(0, 0, at, 0.8 * at, 0.0);
+                for (Character* c : {&twins.here(), &twins.there()}) (void)setFinger(*c, 0, 0, at, 0.8 * at, 0.0);
             }
             twins.update(pose, 1.0 / 60.0);
             const double p = twins.wrongPositions(), n = twins.wrongNormals();

@@ -21,10 +21,12 @@
 
 #include "core/character/character.h"
 #include "core/character/welded_surface.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "core/document/material_preset.h"
-#include "core/document/session.h"
-#include "core/mesh/topology.h"
 #include "core/mesh/cgal/intersections.h"
+#include "core/mesh/topology.h"
+#include "core/reports/report_commands.h"
 #include "tests/support/folder.h"
 #include "tests/support/plain_sample.h"
 
@@ -293,6 +295,7 @@ double sharpest(const TriangleMesh& mesh, const std::vector<char>& joint) {
 TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, without folds or warnings") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     for (const Sample& sample : kAll) {
         CAPTURE(sample.name);
         Session session(registry);
@@ -341,6 +344,7 @@ TEST_CASE("samples: gravity by default sags flesh by 2 to 8 % of the height, wit
 TEST_CASE("samples: flesh of each preset sags as far as the preset says, whatever the size, without warnings") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     for (const Sample& sample : kAll) {
         CAPTURE(sample.name);
         Session session(registry);
@@ -378,6 +382,7 @@ TEST_CASE("samples: flesh of each preset sags as far as the preset says, whateve
 TEST_CASE("figure: a hand that is twisted twice round turns its arm, and not the head") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     for (const bool dynamics : {false, true}) {
         CAPTURE(dynamics);
         Session session(registry);
@@ -414,6 +419,7 @@ TEST_CASE("figure: a hand that is twisted twice round turns its arm, and not the
 TEST_CASE("figure: with stiff bones in trunk and legs a hand that is pulled by a tenth of the height tilts the trunk by less than 2 degrees") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     double worst[2] = {0.0, 0.0}, missed = 0.0;
     for (const bool stiff : {false, true}) {
         Session session(registry);
@@ -454,6 +460,7 @@ TEST_CASE("figure: with stiff bones in trunk and legs a hand that is pulled by a
 TEST_CASE("figure: a foot that is pinned with its orientation stays as it points while the body is pulled, and heavy bones are moved less by light ones") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     constexpr double kDegrees = 180.0 / std::numbers::pi;
     double foot[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, sway[2] = {0.0, 0.0};
     const auto session = [&](bool dynamics) {
@@ -552,6 +559,7 @@ Json dragTo(const Vec3& target) {
 TEST_CASE("caterpillar: in a random walk of 10,000 frames no vertex moves more than ten drag steps in any frame") {
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     Session session(registry);
     REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}).has_value());
     for (const Json& line : plainLines("caterpillar")) REQUIRE(session.execute(line).has_value());
@@ -620,6 +628,7 @@ TEST_CASE("caterpillar: rolled up and back in 600 frames the automatic bend warp
     constexpr int kRolled = 600;
     CommandRegistry registry;
     addCoreCommands(registry);
+    addReportCommands(registry);
     Session session(registry);
     REQUIRE(session.execute({{"do", "open"}, {"path", (kSamples / "caterpillar.imomushi").string()}}));
     for (const Json& line : plainLines("caterpillar")) REQUIRE(session.execute(line));

@@ -7,7 +7,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/document/session.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/session.h"
 #include "tests/document/workbench.h"
 #include "tests/render/picture.h"
 #include "tests/support/folder.h"
@@ -26,12 +27,12 @@ struct Bench {
         addCoreCommands(registry);
         addRenderCommand(registry);
         session = std::make_unique<Session>(registry);
-        session->setImporter([](const ImportRequest&, const Progress&) -> Result<ImportResult> {
+        session->services().import = [](const ImportRequest&, const Progress&) -> Result<ImportResult> {
             ImportResult result;
             result.format = "shape";
             result.bodies.push_back(importedBody("bar", shapes::bar(2).mesh));
             return result;
-        });
+        };
         REQUIRE(session->execute({{"do", "import-element"}, {"path", "bar"}, {"name", "bar"}}));
     }
 

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <fstream>
 
+#include "core/commands/core_commands.h"
+#include "core/reports/report_commands.h"
 #include "tests/stability/scene.h"
 #include "tests/support/folder.h"
 
@@ -38,6 +40,7 @@ const CommandRegistry& registry() {
     static const CommandRegistry made = [] {
         CommandRegistry r;
         addCoreCommands(r);
+        addReportCommands(r);
         return r;
     }();
     return made;

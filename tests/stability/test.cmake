@@ -4,7 +4,7 @@ set(hard_cases)
 foreach(file bodies checks cases)
     list(APPEND hard_cases ${CMAKE_CURRENT_SOURCE_DIR}/support/hard_${file}.cpp)
 endforeach()
-imomushi_test(stability COST 100 imomushi_document)
+imomushi_test(stability COST 100 imomushi_reports)
 target_sources(test_stability PRIVATE ${hard_cases})
 target_compile_definitions(test_stability PRIVATE
     IMOMUSHI_STABILITY_TABLE="${PROJECT_BINARY_DIR}/stability.md")
@@ -13,4 +13,4 @@ target_compile_definitions(test_stability PRIVATE
 add_executable(imomushi_hard_cases EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/stability/maker/main.cpp
     ${CMAKE_CURRENT_SOURCE_DIR}/stability/scene.cpp ${hard_cases})
 target_include_directories(imomushi_hard_cases PRIVATE ${PROJECT_SOURCE_DIR})
-target_link_libraries(imomushi_hard_cases PRIVATE imomushi_document)
+target_link_libraries(imomushi_hard_cases PRIVATE imomushi_reports)

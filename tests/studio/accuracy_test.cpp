@@ -12,7 +12,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/document/accuracy_commands.h"
+#include "core/reports/accuracy_commands.h"
 #include "tests/studio/window.h"
 #include "tests/support/plain_sample.h"
 #include "ui/models/recent_files.h"

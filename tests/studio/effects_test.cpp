@@ -3,9 +3,9 @@
 #include <QMenu>
 #include <QSignalSpy>
 
+#include "core/commands/pose_check.h"
 #include "tests/studio/window.h"
 #include "tests/support/plain_sample.h"
-#include "core/document/pose_check.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/models/texts.h"

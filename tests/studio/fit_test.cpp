@@ -8,6 +8,7 @@
 #include <QSettings>
 #include <QToolBar>
 
+#include "core/commands/core_commands.h"
 #include "tests/studio/window.h"
 #include "tests/support/capsules.h"
 #include "ui/dialogs/export_dialog.h"

@@ -8,7 +8,7 @@
 #include <random>
 #include <sstream>
 
-#include "core/document/project_file.h"
+#include "core/project/project_file.h"
 #include "tests/support/thorough.h"
 #include "tests/support/victim.h"
 #include "ui/window/file_flow.h"

@@ -9,7 +9,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "core/document/project_file.h"
+#include "core/commands/core_commands.h"
+#include "core/project/project_file.h"
 #include "ui/dialogs/recovery_dialog.h"
 #include "ui/studio.h"
 #include "ui/window/file_flow.h"

@@ -22,6 +22,8 @@
 #include <memory>
 #include <string>
 
+#include "core/commands/core_commands.h"
+#include "core/reports/report_commands.h"
 #include "ui/dialogs/import_dialog.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/inspector/inspector_panel.h"
@@ -167,7 +169,7 @@ public:
     void close() { made_.reset(); }
 
 private:
-    SharedStudio() { addCoreCommands(registry_); }
+    SharedStudio() { addCoreCommands(registry_); addReportCommands(registry_); }
     CommandRegistry registry_;
     std::string file_;
     std::unique_ptr<MainWindow> made_;

@@ -9,6 +9,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/commands/core_commands.h"
 #include "tests/studio/window.h"
 #include "ui/jobs/background_job.h"
 #include "ui/models/texts.h"

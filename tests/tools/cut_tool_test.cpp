@@ -23,7 +23,7 @@ TriangleMesh limb() {
 
 /// The limb as a whole character "worm" with the element "worm body".
 void addWorm(ToolStage& stage) {
-    stage.session().setCharacterImporter([](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    stage.session().services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         const TriangleMesh mesh = limb();
         CharacterFile file;
         file.format = "obj";
@@ -33,7 +33,7 @@ void addWorm(ToolStage& stage) {
         file.renderModel.mesh.renderMesh.triangles = mesh.triangles;
         for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
         return file;
-    });
+    };
     stage.run({{"do", "import-character"}, {"path", "worm.obj"}, {"name", "worm"}});
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 /// A limb of 6 m along x, of radius 0.5, with an even surface but for its ends; the character "eel".
 void addEel(ToolStage& stage) {
-    stage.session().setCharacterImporter([](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    stage.session().services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 24, 30).mesh;
         mesh.vertices = Points(mesh.vertices * (Eigen::Matrix3d() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // z -> x
         mesh.vertices.col(0).array() -= 3.0;
@@ -26,7 +26,7 @@ void addEel(ToolStage& stage) {
         for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
         file.renderModel.mesh.body = std::move(mesh);
         return file;
-    });
+    };
     stage.run({{"do", "import-character"}, {"path", "eel.obj"}, {"name", "eel"}});
     stage.look(ViewAxis::Front);
 }

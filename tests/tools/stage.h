@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/commands/core_commands.h"
+#include "core/reports/report_commands.h"
 #include "tests/support/shapes.h"
 #include "ui/models/studio_document.h"
 #include "ui/tools/tool.h"
@@ -25,8 +27,9 @@ struct ToolStage {
 
     ToolStage() {
         addCoreCommands(registry);
+        addReportCommands(registry);
         made.emplace(registry);
-        session().setImporter([this](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+        session().services().import = [this](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
             ImportedBody body;
             body.name = request.path.stem().string();
             body.mesh.body = bodies.at(body.name);
@@ -37,7 +40,7 @@ struct ToolStage {
             result.format = "obj";
             result.bodies.push_back(std::move(body));
             return result;
-        });
+        };
         QObject::connect(&document(), &StudioDocument::failed, [this](const QString& text) { refusals.push_back(text); });
         camera.setViewport(800, 600);
         camera.setOrthographic(true);

@@ -16,7 +16,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "core/document/export_commands.h"
+#include "core/commands/export_commands.h"
 #include "ui/dialogs/export_report_view.h"
 #include "ui/jobs/export_job.h"
 #include "ui/jobs/progress_text.h"

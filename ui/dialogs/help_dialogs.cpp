@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/document/version.h"
+#include "core/project/version.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/body/body.h"
+#include "core/commands/proposal_commands.h"
 #include "core/document/command.h"
-#include "core/document/proposal_commands.h"
 #include "core/io/import.h"
 
 class QCheckBox;

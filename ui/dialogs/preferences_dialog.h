@@ -3,8 +3,8 @@
 
 #include <QDialog>
 
-#include "core/document/response_store.h"
-#include "core/document/version_limits.h"
+#include "core/project/response_store.h"
+#include "core/project/version_limits.h"
 
 class QComboBox;
 class QLabel;

@@ -4,7 +4,7 @@
 #include <QDialog>
 #include <vector>
 
-#include "core/document/project_versions.h"
+#include "core/project/project_versions.h"
 
 class QListWidget;
 

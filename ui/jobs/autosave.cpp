@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/abandoned_files.h"
-#include "core/document/project_file.h"
+#include "core/project/project_file.h"
 #include "ui/models/failures.h"
 #include "ui/models/texts.h"
 

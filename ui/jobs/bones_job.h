@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/jobs/background_job.h"
 
 namespace imomushi {

@@ -13,16 +13,17 @@ constexpr double kReading = 0.2, kBody = 0.7;  // of the whole
 bool sameFile(const ImportRequest& a, const ImportRequest& b) { return a.path == b.path && a.unit == b.unit && a.up == b.up && a.bonesSuffice == b.bonesSuffice; }
 
 void usePrepared(Session& session, const std::shared_ptr<const PreparedCharacter>& made) {
-    session.setCharacterImporter([made](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+    Services& services = session.services();
+    services.importCharacter = [made](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
         return made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
-    });
-    session.setBodyMaker([made](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+    };
+    services.makeBody = [made](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         if (made->body && made->setting == setting) return *made->body;
         return makeBody(model, rig, setting, progress);
-    });
-    session.setProposer([made](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
+    };
+    services.propose = [made](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
         return made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
-    });
+    };
 }
 
 void CharacterJob::start(const ImportRequest& request, const BodySetting& setting, const std::optional<ProposalRequest>& proposal) {

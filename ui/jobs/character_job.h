@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/body/body.h"
-#include "core/document/proposal_commands.h"
-#include "core/document/session.h"
+#include "core/commands/proposal_commands.h"
+#include "core/commands/session.h"
 #include "core/io/character_file.h"
 #include "ui/jobs/background_job.h"
 

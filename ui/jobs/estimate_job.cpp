@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/document/document_responses.h"
+#include "core/project/document_responses.h"
 
 namespace imomushi {
 

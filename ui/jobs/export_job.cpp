@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/jobs/export_job.h"
 
-#include "core/document/export_commands.h"
+#include "core/commands/export_commands.h"
 
 namespace imomushi {
 

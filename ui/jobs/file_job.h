@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/document/command.h"
-#include "core/document/project_versions.h"
+#include "core/project/project_versions.h"
 #include "ui/jobs/background_job.h"
 
 namespace imomushi {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <memory>
 
-#include "core/document/prepared_step.h"
-#include "core/document/session.h"
+#include "core/commands/prepared_step.h"
+#include "core/commands/session.h"
 #include "ui/jobs/background_job.h"
 
 namespace imomushi {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/commands.h"
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 
 namespace imomushi::commands {
 namespace {

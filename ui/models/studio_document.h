@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/document/session.h"
+#include "core/commands/session.h"
 
 namespace imomushi {
 

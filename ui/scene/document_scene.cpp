@@ -8,7 +8,7 @@
 #include "core/character/deform_input.h"
 #include "core/document/bone_limits.h"
 #include "core/document/character_input.h"
-#include "core/document/seam.h"
+#include "core/joints/seam.h"
 #include "ui/scene/rim.h"
 
 namespace imomushi {

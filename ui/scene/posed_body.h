@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/document/session.h"
+#include "core/commands/session.h"
 
 namespace imomushi {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/document/session.h"
+#include "core/commands/session.h"
 
 namespace imomushi {
 

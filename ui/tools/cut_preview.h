@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/body/section.h"
-#include "core/document/session.h"
+#include "core/commands/session.h"
 #include "core/joints/joint_face.h"
 
 namespace imomushi {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/models/commands.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"

@@ -4,7 +4,7 @@
 #include <QLocale>
 #include <algorithm>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/jobs/precompute_job.h"
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"

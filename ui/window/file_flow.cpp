@@ -11,7 +11,7 @@
 #include <QStandardPaths>
 #include <filesystem>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/dialogs/import_dialog.h"
 #include "ui/dialogs/recovery_dialog.h"
 #include "ui/dialogs/versions_dialog.h"
@@ -67,46 +67,40 @@ struct FileFlow::Prepared {
 FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
     : QObject(window), document_(document), steps_(steps), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
     connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
-    document.session().setImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
+    Services& services = document.session().services();
+    services.import = [prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
         const ImportRequest& r = prepared->request;
         if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
         return importFile(request, progress);
-    });
-    document.session().setCharacterImporter([prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
+    };
+    services.importCharacter = [prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
         const PreparedCharacter* made = prepared->character.get();
         return made && made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
-    });
-    document.session().setProposer([prepared = prepared_](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
+    };
+    services.propose = [prepared = prepared_](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
         const PreparedCharacter* made = prepared->character.get();
         return made && made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
-    });
-    document.session().setProjectReader([this](const std::filesystem::path& path, std::optional<std::int64_t> version) -> Result<Project> {
+    };
+    services.read = [this](const std::filesystem::path& path, std::optional<std::int64_t> version) -> Result<Project> {
         auto ready = file_.takeRead(path, version);
         return ready ? std::move(*ready) : loadProject(path, version);
-    });
-    document.session().setProjectWriter([this](const std::filesystem::path& path, const Project& project, const VersionLimits& limits) -> Result<SavedProject> {
+    };
+    services.write = [this](const std::filesystem::path& path, const Project& project, const VersionLimits& limits) -> Result<SavedProject> {
         auto ready = file_.takeWritten(path, project);
         return ready ? std::move(*ready) : storeProject(path, project, limits);
-    });
+    };
     connect(&file_, &FileJob::takesTime, this, [this] { Q_EMIT working(working_); });
     // Asked for right after the file, by the same command.
-    document.session().setBodyMaker([prepared = prepared_](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+    services.makeBody = [prepared = prepared_](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
         const PreparedCharacter* made = prepared->character.get();
         if (made && made->body && made->setting == setting) return *made->body;
         for (const MadeBody& ready : prepared->bodies)
             if (ready.isOf(model, setting)) return ready.body;
         return makeBody(model, rig, setting, progress);
-    });
+    };
 }
 
-FileFlow::~FileFlow() {
-    document_.session().setImporter({});
-    document_.session().setCharacterImporter({});
-    document_.session().setBodyMaker({});
-    document_.session().setProposer({});
-    document_.session().setProjectReader({});
-    document_.session().setProjectWriter({});
-}
+FileFlow::~FileFlow() { document_.session().services() = coreServices(); }
 
 Result<Json> FileFlow::read(const Json& open) {
     const auto path = open.at("path").get<std::string>();

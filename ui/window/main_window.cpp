@@ -20,7 +20,7 @@
 #include <QWindow>
 #include <algorithm>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/export_job.h"

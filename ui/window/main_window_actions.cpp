@@ -6,8 +6,8 @@
 #include <QFileInfo>
 #include <QSettings>
 
+#include "core/commands/proposal_commands.h"
 #include "ui/dialogs/export_dialog.h"
-#include "core/document/proposal_commands.h"
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/manual_dialog.h"
 #include "ui/dialogs/picture_dialog.h"

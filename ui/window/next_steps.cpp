@@ -11,7 +11,7 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "core/document/proposal_commands.h"
+#include "core/commands/proposal_commands.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/studio_document.h"
 #include "ui/widgets/action_set.h"

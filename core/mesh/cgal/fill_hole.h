@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/mesh.h"
+#include "core/base/triangle_mesh.h"
 
 namespace imomushi {
 

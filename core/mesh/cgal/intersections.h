@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/mesh/mesh.h"
+#include "core/base/triangle_mesh.h"
 
 namespace imomushi {
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/commands/core_commands.h"
 #include "core/worker/worker.h"
 #include "tests/stability/scene.h"
 

@@ -9,7 +9,7 @@
 #include <QSignalBlocker>
 #include <algorithm>
 
-#include "core/document/accuracy_commands.h"
+#include "core/reports/accuracy_commands.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_body.h"
 #include "ui/panels/accuracy/accuracy_texts.h"

@@ -14,7 +14,7 @@
 #include <QTabWidget>
 #include <algorithm>
 
-#include "core/document/accuracy_commands.h"
+#include "core/reports/accuracy_commands.h"
 #include "ui/models/gesture.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_errors.h"

@@ -6,7 +6,7 @@
 #include <QPainter>
 #include <algorithm>
 
-#include "core/character/smooth_joints_job.h"
+#include "core/effects/smooth_joints_job.h"
 #include "ui/models/effect_texts.h"
 #include "ui/widgets/appearance.h"
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/commands/core_commands.h"
+
+namespace imomushi {
+
+void addCoreCommands(CommandRegistry& registry) {
+    addFileCommands(registry);
+    addImportCommands(registry);
+    addRigCommands(registry);
+    addRepairCommands(registry);
+    addAppendCommand(registry);
+    addDuplicateCommand(registry);
+    addMirrorCommand(registry);
+    addReplaceCommand(registry);
+    addElementCommands(registry);
+    addCutCommands(registry);
+    addProposalCommands(registry);
+    addMakeSoftCommand(registry);
+    addHandleCommands(registry);
+    addAttachCommands(registry);
+    addMorphCommands(registry);
+    addAvatarCommands(registry);
+    addBoneCommands(registry);
+    addPropertyCommands(registry);
+    addEffectCommands(registry);
+    addPoseCheckCommands(registry);
+    addSolveCommands(registry);
+    addPoseCommands(registry);
+    addTakeCommands(registry);
+    addExportCommands(registry);
+    addHistoryCommands(registry);
+    addMeasureCommands(registry);
+}
+
+}  // namespace imomushi

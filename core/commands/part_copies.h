@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/commands/document_edit.h"
+
+namespace imomushi {
+
+/// Where copies stand: an isometry x -> linear * x + shift, m.
+struct Placing {
+    Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< a rotation, or a reflection
+    Vec3 shift = Vec3::Zero();
+
+    /// The mirror image in the plane across `axis` (0...2) at `at`, m. Exact but for one rounding of that coordinate.
+    static Placing mirror(int axis, double at);
+    [[nodiscard]] bool turns() const { return linear != Eigen::Matrix3d::Identity(); }
+    [[nodiscard]] bool moves() const { return turns() || shift != Vec3::Zero(); }
+    [[nodiscard]] bool mirrors() const;
+    [[nodiscard]] Vec3 point(const Vec3& p) const { return turns() ? Vec3(linear * p + shift) : Vec3(p + shift); }
+    [[nodiscard]] CutPlane plane(const CutPlane& plane) const { return {point(plane.origin), linear * plane.normal}; }
+    /// Triangles of mirror images are turned round, so that they still face outward: their second and third corners are exchanged.
+    [[nodiscard]] TriangleMesh mesh(const TriangleMesh& mesh) const;
+    [[nodiscard]] ElementMesh mesh(const ElementMesh& mesh) const;
+    [[nodiscard]] JointFace face(const JointFace& face) const;
+};
+
+/// Copies parts of a document, into itself or into another one, with all that they refer to among the parts that are copied. What the copies are named, and what becomes of the
+/// others, is asked of the owner.
+class PartCopier {
+public:
+    struct Options {
+        Placing placing;
+        /// The name that the copy of a part called so is to have; a number makes it free. Null: the same.
+        std::function<std::string(const std::string&)> name;
+        /// The last response of an element of `from`, null: it has none.
+        std::function<const StoredResponse*(PartId)> response;
+        /// Within one document: effects on an element are on its copy too, pins are copied, and bones hang on what is where they end.
+        bool within = false;
+    };
+    /// What was copied: the name of the copy and that of the original.
+    using Names = std::vector<std::pair<std::string, std::string>>;
+
+    /// `from` stays as it is, `edit.document` gets the copies.
+    PartCopier(DocumentEdit& edit, const Document& from, Options options) : edit_(edit), from_(from), options_(std::move(options)) {}
+
+    /// All elements of a character come with it: those that come first. Then joints among them, then bones: these may be any.
+    void copyCharacters(const std::set<PartId>& characters, const std::set<PartId>& elements);
+    void copyElements(const std::set<PartId>& elements, const std::set<PartId>& bones);
+    void copyJoints();
+    void copyBones(const std::set<PartId>& bones);
+
+    /// A part or a face has a counterpart already, which takes the place of a copy.
+    void match(PartId part, PartId counterpart) { ids_.insert_or_assign(part, counterpart); }
+    void match(const FaceRef& face, const FaceRef& counterpart) { faces_.insert_or_assign(face, counterpart); }
+
+    [[nodiscard]] bool has(PartId part) const { return ids_.contains(part); }
+    /// Copies by what they are copies of, and counterparts.
+    [[nodiscard]] const std::map<PartId, PartId>& ids() const { return ids_; }
+    /// The id of the copy, given out when first asked for; 0 of 0.
+    PartId idOf(PartId part);
+    /// The face of the copy, none: it has none.
+    [[nodiscard]] std::optional<FaceRef> faceOf(const FaceRef& face) const;
+    [[nodiscard]] std::string nameFor(const std::string& name) const { return options_.name ? options_.name(name) : name; }
+    [[nodiscard]] const Placing& placing() const { return options_.placing; }
+
+    Names characters, cuts, elements, handles, bones;
+    /// Ends of copied bones that hang on nothing, as what they hung on was not copied: "bone/start" of the copy.
+    std::vector<std::string> loose;
+
+private:
+    Bone::Place placeOf(const Bone::Place& place, bool& hangs);
+    void copyPins(const std::set<PartId>& bones);
+
+    DocumentEdit& edit_;
+    const Document& from_;
+    const Options options_;
+    std::map<PartId, PartId> ids_;
+    std::map<FaceRef, FaceRef> faces_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "core/base/finite.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/document_edit.h"
+#include "core/commands/session_access.h"
+#include "core/document/command_support.h"
+#include "core/document/handle_commands.h"
+#include "core/touch/touch_contact.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr double kLongestGlide = 1e6;       // s
+constexpr double kLargestRoll = 1e6;        // radians
+constexpr double kLongestFrame = 10.0;      // s
+constexpr int kMaxFrames = 10'000'000;     // two days of 60 Hz
+
+Json texts(const std::vector<std::string>& list) {
+    Json array = Json::array();
+    for (const std::string& text : list) array.push_back(text);
+    return array;
+}
+
+/// What is held at the joint point of `end`: an endpoint of another bone may be the same point.
+std::map<EndpointRef, EndpointGoal>::iterator heldAt(Document& document, const CharacterPlan& plan, const EndpointRef& end) {
+    const int point = plan.pointIndex(end);
+    return std::find_if(document.goals.begin(), document.goals.end(), [&](const auto& held) { return plan.pointIndex(held.first) == point; });
+}
+
+/// The endpoint that a command names, and the character that shows it.
+struct ShownEndpoint {
+    EndpointRef end;
+    const CharacterPlan& plan;
+};
+Result<ShownEndpoint> endpointOf(const DocumentEdit& edit, const Json& arguments) {
+    IMOMUSHI_TRY(const auto end, edit.document.endpoint(text(arguments, "endpoint")));
+    IMOMUSHI_TRY(const auto plan, edit.shownPlan());
+    return ShownEndpoint{end, *plan};
+}
+
+Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return pinHandle(edit, *handle);
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    IMOMUSHI_TRY(const auto position, edit.positionOf(shown.end));
+    auto held = heldAt(edit.document, shown.plan, shown.end);
+    if (held == edit.document.goals.end()) {
+        EndpointGoal made;
+        made.target = position;
+        held = edit.document.goals.emplace(shown.end, made).first;
+    }
+    held->second.pinned = true;
+    if (const Json* orientation = find(arguments, "orientation")) {
+        if (orientation->get<bool>() && held->first != shown.end) {  // it is held by a bone that meets this one
+            auto taken = edit.document.goals.extract(held);
+            taken.key() = shown.end;
+            held = edit.document.goals.insert(std::move(taken)).position;
+        }
+        held->second.turn.reset();
+        const auto bone = static_cast<std::size_t>(shown.plan.boneIndex(held->first.bone));
+        const auto& frames = edit.document.pose.frames;
+        const Eigen::Quaterniond turn = bone < frames.size() ? frames[bone] : Eigen::Quaterniond::Identity();
+        if (orientation->get<bool>()) held->second.turn = std::array{turn.x(), turn.y(), turn.z(), turn.w()};
+    }
+    return Json::object();
+}
+
+Result<Json> unpin(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return unpinHandle(edit, *handle);
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    const auto held = heldAt(edit.document, shown.plan, shown.end);
+    if (held == edit.document.goals.end() || !held->second.pinned)
+        return fail("not-pinned", "The endpoint \"" + text(arguments, "endpoint") + "\" is not pinned.");
+    edit.document.goals.erase(held);
+    return Json::object();
+}
+
+Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) return dragHandle(edit, *handle, arguments);
+    if (arguments.contains("rotation")) return fail("unknown-key", "\"rotation\" goes with handles; the end of a bone is turned by \"roll\".");
+    IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+    IMOMUSHI_TRY(const auto position, edit.positionOf(shown.end));
+    EndpointGoal made;
+    made.target = *vector3(arguments.at("to"));
+    if (auto ok = readNumber(arguments, "roll", -kLargestRoll, kLargestRoll, made.roll); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestGlide, made.seconds); !ok) return tl::unexpected(ok.error());
+    made.from = position;
+    Document& document = edit.document;
+    if (!document.pose.roll.empty()) made.fromRoll = document.pose.roll[static_cast<std::size_t>(shown.plan.pointIndex(shown.end))];
+    if (const auto held = heldAt(document, shown.plan, shown.end); held != document.goals.end()) {
+        made.pinned = held->second.pinned;
+        if (!made.roll) made.roll = held->second.roll;
+        if (held->second.turn) {  // its bone keeps its direction, and the goal its place
+            made.turn = held->second.turn;
+            held->second = made;
+            return Json::object();
+        }
+        document.goals.erase(held);
+    }
+    document.goals.insert_or_assign(shown.end, made);
+    return Json::object();
+}
+
+Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
+    const Document& document = live.document();
+    if (const auto handle = document.handle(text(arguments, "endpoint"))) return showHandle(live, *handle);
+    const EndpointRef end = *document.endpoint(text(arguments, "endpoint"));
+    const int point = live.plan().pointIndex(end);
+    const EndpointGoal held = std::find_if(document.goals.begin(), document.goals.end(), [&](const auto& goal) { return live.plan().pointIndex(goal.first) == point; })->second;
+    live.hidePositions();
+    if (held.seconds > 0.0) return Json{{"seconds", held.seconds}, {"warnings", texts(live.warningTexts(0))}};
+    // With bone dynamics the body follows as frames pass.
+    if (document.effects.has(EffectKind::BoneDynamics))
+        return Json{{"distance", (held.from - held.target).norm()}, {"position", json(held.from)}, {"settled", false}, {"warnings", texts(live.warningTexts(0))}};
+
+    IMOMUSHI_TRY(const auto settled, live.settle());
+    IMOMUSHI_TRY(const auto now, live.positionOf(end));
+    Json answer{{"distance", (now - held.target).norm()}, {"position", json(now)}, {"settled", settled.settled},
+                {"iterations", settled.iterations}, {"ms", settled.milliseconds},
+                {"warnings", texts(live.warningTexts(settled.warnings))}};
+    return answer;
+}
+
+Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    auto& all = edit.document.goals;
+    int released = 0;
+    const auto let = [&](std::map<EndpointRef, EndpointGoal>::iterator held) -> Result<std::map<EndpointRef, EndpointGoal>::iterator> {
+        ++released;
+        if (!held->second.pinned) return all.erase(held);
+        // A pin that was dragged stays a pin, where it is now.
+        IMOMUSHI_TRY(const auto position, edit.positionOf(held->first));
+        EndpointGoal pinned;
+        pinned.pinned = true;
+        pinned.target = position;
+        pinned.turn = held->second.turn;
+        held->second = pinned;
+        return std::next(held);
+    };
+    if (arguments.contains("endpoint")) {
+        if (const auto handle = edit.document.handle(text(arguments, "endpoint"))) {
+            IMOMUSHI_TRY(const auto wasHeld, releaseHandle(edit, *handle));
+            if (!wasHeld) return fail("not-held", "The handle \"" + handle->face + "\" is not held.");
+            return Json{{"released", 1}};
+        }
+        IMOMUSHI_TRY(const auto shown, endpointOf(edit, arguments));
+        const auto held = heldAt(edit.document, shown.plan, shown.end);
+        if (held == all.end()) return fail("not-held", "The endpoint \"" + text(arguments, "endpoint") + "\" is not held.");
+        if (auto done = let(held); !done) return tl::unexpected(done.error());
+    } else {
+        for (auto held = all.begin(); held != all.end();) {
+            IMOMUSHI_TRY(held, let(held));
+        }
+        for (const auto& [handle, goal] : std::map(edit.document.handleGoals)) {
+            IMOMUSHI_TRY(const auto wasHeld, releaseHandle(edit, handle));
+            released += wasHeld;
+        }
+    }
+    return Json{{"released", released}};
+}
+
+Result<Json> showRelease(LiveCharacter& live, const Json&, Json answer) {
+    if (answer["released"] > 0 && live.document().effects.has(EffectKind::BoneDynamics))
+        if (auto ok = live.returnToRest(); !ok) return tl::unexpected(ok.error());
+    return answer;
+}
+
+Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
+    IMOMUSHI_TRY(const auto plan, edit.shownPlan());
+    Document& document = edit.document;
+    document.pose = {};
+    document.touches.clear();
+    document.turns.clear();
+    document.morphs.clear();
+    restHandles(document);
+    std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
+    for (auto& [end, held] : document.goals) {
+        const bool turned = held.turn.has_value();
+        held = {};
+        held.pinned = true;
+        if (turned) held.turn = std::array{0.0, 0.0, 0.0, 1.0};
+        held.target = plan->input.skeleton.points[static_cast<std::size_t>(plan->pointIndex(end))];
+    }
+    return Json::object();
+}
+
+Result<Json> showRest(LiveCharacter& live, const Json&, Json answer) {
+    live.hidePositions();
+    live.jumpToPose();
+    return answer;
+}
+
+Result<Json> putFinger(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    IMOMUSHI_TRY(const auto element, elementOf(edit.document, text(arguments, "element")));
+    const PartId id = element->id;
+    const Vec3 point = *vector3(arguments.at("point"));
+    const Json& to = arguments.at("to");
+    const auto target = to.is_null() ? std::optional(Vec3(Vec3::Zero())) : vector3(to);
+    if (!target) return fail("bad-type", "\"to\" must be three numbers [x,y,z], or null to lift the finger.");
+    double radius = 0.0;
+    if (auto ok = readNumber(arguments, "radius", 0.0, kMaxCoordinate, radius); !ok) return tl::unexpected(ok.error());
+    auto& touches = edit.document.touches;
+    const auto known = std::find_if(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.point == point; });
+    if (to.is_null()) {
+        if (known == touches.end()) return fail("not-touched", "No finger is at that point of \"" + element->name + "\": lift it by the point where it was put down.");
+        const int finger = known->finger;
+        touches.erase(known);
+        if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
+        return Json{{"finger", finger}};
+    }
+    if (!edit.document.effects.has(EffectKind::Touch, id))
+        return fail("not-enabled", "Fingers need the effect \"touch\" on \"" + element->name + "\": enable it, and precompute.");
+    if (auto plan = edit.shownPlan(); !plan) return tl::unexpected(plan.error());
+    const auto response = edit.responses().fittingOf(id);
+    if (!response || response->touch.columns() == 0)
+        return fail("not-precomputed", "\"" + element->name + "\" is not precomputed for fingers: precompute it (it needs a joint face that holds it).");
+    Touch made{id, 0, point, *target, radius};
+    if (known != touches.end()) {
+        made.finger = known->finger;
+        *known = made;
+    } else {
+        const auto taken = [&](int finger) {
+            return std::any_of(touches.begin(), touches.end(), [&](const Touch& t) { return t.element == id && t.finger == finger; });
+        };
+        while (made.finger < TouchContact::kFingers && taken(made.finger)) ++made.finger;
+        if (made.finger == TouchContact::kFingers)
+            return fail("too-many-fingers", "\"" + element->name + "\" has " + std::to_string(TouchContact::kFingers) + " fingers already: lift one.");
+        touches.push_back(made);
+    }
+    return Json{{"finger", made.finger}};
+}
+
+Result<Json> showTouch(LiveCharacter& live, const Json& arguments, Json answer) {
+    if (arguments.at("to").is_null()) return answer;
+    const Vec3 point = *vector3(arguments.at("point"));
+    const Document& document = live.document();
+    const PartId element = document.elementNamed(text(arguments, "element"))->id;
+    const auto put = std::find_if(document.touches.begin(), document.touches.end(), [&](const Touch& t) { return t.element == element && t.point == point; });
+    if (!live.putFinger(*put))
+        return fail("not-touchable", "That point of \"" + text(arguments, "element") + "\" cannot be touched: choose one of its free surface.");
+    return answer;
+}
+
+bool isFinite(const Character& character, const Pose& pose, std::size_t elements) {
+    for (const Vec3& p : pose.points)
+        if (!allFinite(p)) return false;
+    for (std::size_t e = 0; e < elements; ++e) {
+        const auto surface = character.surface(static_cast<int>(e));
+        for (int i = 0; i < 3 * surface.vertices; ++i)
+            if (!std::isfinite(surface.positions[i]) || !std::isfinite(surface.normals[i])) return false;
+    }
+    return true;
+}
+
+Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    LiveCharacter& live = access.live;
+    const Document& document = access.document();
+    IMOMUSHI_TRY(const auto frames, numberWithin(arguments.at("frames"), "frames", 1, kMaxFrames));
+    const int count = static_cast<int>(frames);
+    std::vector<double> times = {1.0 / 60.0};
+    if (const Json* given = find(arguments, "dt")) {
+        if (given->is_array() && given->size() != static_cast<std::size_t>(count)) return fail("bad-value", "\"dt\" must have a number for each frame.");
+        times.clear();
+        for (const Json& dt : given->is_array() ? *given : Json::array({*given})) {
+            if (!dt.is_number()) return fail("bad-type", "\"dt\" must be a number, or a list of numbers.");
+            IMOMUSHI_TRY(const auto value, numberWithin(dt, "dt", 0.0, kLongestFrame));
+            if (value <= 0.0) return fail("bad-value", "\"dt\" must be larger than 0 seconds.");
+            times.push_back(value);
+        }
+    }
+    IMOMUSHI_TRY(const auto alive, live.built());
+    std::vector<double> total, pose, joints, product, normals;
+    std::array<std::vector<double>, kEffects> effects;
+    unsigned warnings = 0;
+    bool finite = true, timeDropped = false;
+    live.hidePositions();
+    const Character* character = alive;
+    Json met = Json::array();
+    std::set<PartId> known = document.effects[EffectKind::Contact].elements;
+    for (int frame = 0; frame < count; ++frame) {
+        if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
+        const auto start = std::chrono::steady_clock::now();
+        live.stepFrame(times[times.size() > 1 ? static_cast<std::size_t>(frame) : 0]);
+        total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        if (!character) continue;
+        const Character::Stats& stats = character->stats();
+        warnings |= live.warnings();
+        timeDropped = timeDropped || live.droppedTime();
+        for (std::size_t k = 0; k < kEffects; ++k)
+            if (const auto ms = live.effectMilliseconds(static_cast<EffectKind>(k))) effects[k].push_back(*ms);
+        pose.push_back(stats.poseMs);
+        joints.push_back(stats.jointsMs);
+        product.push_back(stats.productMs);
+        normals.push_back(stats.normalsMs);
+        finite = finite && isFinite(*character, document.pose, live.plan().elements.size());
+        const std::set<PartId>& now = document.effects[EffectKind::Contact].elements;
+        if (now.size() == known.size()) continue;
+        // What met presses from the next frame on.
+        for (const PartId id : now) {
+            if (known.contains(id)) continue;
+            if (auto computed = access.responses.compute(id, progress); !computed) return tl::unexpected(computed.error());
+            met.push_back(document.elements.at(id)->name);
+        }
+        known = now;
+        access.changedResponses();
+        IMOMUSHI_TRY(character, live.built());
+    }
+    access.changedPose();
+    Json answer;
+    answer["frames"] = count;
+    answer["ms_per_frame"] = summary(std::move(total));
+    answer["stages"] = {{"pose", summary(std::move(pose))},
+                        {"joints", summary(std::move(joints))},
+                        {"product", summary(std::move(product))},
+                        {"normals", summary(std::move(normals))}};
+    // What the number format costs in accuracy, beside what it saves in time.
+    answer["format"] = formatName(document.settings.format);
+    answer["format_error"] = character ? character->formatError() : 0.0;
+    answer["effects"] = Json::object();
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (!effects[k].empty()) answer["effects"][std::string(effectName(static_cast<EffectKind>(k)))] = summary(std::move(effects[k]));
+    std::vector<std::string> said = live.warningTexts(warnings);
+    if (timeDropped) said.emplace_back("A frame lasted longer than a quarter of a second: bone dynamics moved for that long only; step with a smaller dt.");
+    answer["warnings"] = texts(said);
+    answer["finite"] = finite;
+    if (!met.empty()) answer["met"] = std::move(met);
+    return answer;
+}
+
+}  // namespace
+
+void addPoseCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    const CommandKey endpoint{"endpoint", Type::Text, true, "\"bone/start\" or \"bone/end\", or a handle."};
+    registry.addChange("pin", "Holds an endpoint where it is, a handle as it is turned too, until it is unpinned.",
+                       {endpoint, {"orientation", Type::Boolean, false, "Of an endpoint: its bone keeps its direction, too, to a degree; false: it turns freely again, as before."}}, pin);
+    registry.addChange("unpin", "Lets a pinned endpoint or handle go.", {endpoint}, unpin);
+    registry.addChange("drag",
+                       "Moves an endpoint or a handle; it stays held at the target until it is released. Without seconds the static pose is found before the answer.",
+                       {endpoint,
+                        {"to", Type::Vector3, true, "Where to, metres. Out of reach: as near as the bones can stretch."},
+                        {"roll", Type::Number, false, "Twist of the bone's end about its axis, radians from rest."},
+                        {"rotation", Type::Array, false, "How a handle is turned from rest, a quaternion [x,y,z,w] (as it is)."},
+                        {"seconds", Type::Number, false, "Glides there in this time while step runs."}},
+                       drag, showDrag);
+    registry.addChange("release",
+                       "Lets dragged endpoints and handles go; the pose stays, handles where the flesh has them. A pin that was dragged stays a pin where it is now.",
+                       {{"endpoint", Type::Text, false, "\"bone/start\" or \"bone/end\", or a handle (all unless given)."}},
+                       release, showRelease);
+    registry.addChange("touch",
+                       "Presses a finger into the surface, or moves or lifts one. It pushes, never pulls, and comes and goes smoothly as frames pass. Needs the effect \"touch\".",
+                       {{"element", Type::Text, true, "The element."},
+                        {"point", Type::Vector3, true, "Where on its surface, metres, in the rest pose; also names the finger afterwards."},
+                        {"to", Type::Any, true, "Where that point is pushed, metres, in the world; null lifts the finger."},
+                        {"radius", Type::Number, false, "Of the finger tip, metres (as small as the patches allow)."}},
+                       putFinger, showTouch);
+    registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, parts not turned, all velocities zero.", {}, rest, showRest);
+    registry.addAction("step",
+                       "Performs frames: glides, poses, deformation.",
+                       {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},
+                       step);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/commands/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <utility>
+
+#include "core/commands/document_edit.h"
+#include "core/commands/pose_check.h"
+#include "core/commands/prepared_step.h"
+#include "core/commands/session_access.h"
+#include "core/document/command_support.h"
+#include "core/project/project_file.h"
+
+namespace imomushi {
+
+namespace {
+
+/// What an undo step says it was done to.
+std::string subjectOf(const Json& arguments) {
+    for (const char* key : {"effect", "name", "element", "endpoint", "target", "handle", "path", "a", "bone", "cut", "take"})
+        if (const Json* value = find(arguments, key); value && value->is_string()) return value->get<std::string>();
+    return {};
+}
+
+/// What a command answers where memory runs out: made before anything changes.
+struct NoMemory {
+    explicit NoMemory(const std::string& what)
+        : nothingDone{"no-memory", "There is not enough memory for \"" + what + "\": close other programs or use a smaller mesh."},
+          done{"no-memory-after", "\"" + what + "\" was done, and there is not enough memory for what follows it: undo takes it back."} {}
+    Error nothingDone, done;
+};
+
+}  // namespace
+
+Session::Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store)
+    : registry_(registry),
+      responses_(history_.document(), store ? std::move(store) : std::make_shared<ResponseStore>()),
+      live_(std::make_unique<LiveCharacter>(history_, responses_)) {}
+
+Session::~Session() = default;
+
+// ---- the one door ------------------------------------------------------------------------------------------------------
+
+Result<Json> Session::execute(const Json& command, const Progress& progress) {
+    try {
+        return executeOrThrow(command, progress);
+    } catch (const std::bad_alloc&) {  // not even for saying so at length
+        return tl::unexpected(Error{"no-memory", "No memory left."});
+    }
+}
+
+Result<Json> Session::executeOrThrow(const Json& command, const Progress& progress) {
+    if (!command.is_object()) return fail("bad-command", "A command is a JSON object with the key \"do\".");
+    const Json* name = find(command, "do");
+    if (!name || !name->is_string()) return fail("bad-command", "A command needs the key \"do\" with the name of what to do.");
+    const Command* what = registry_.find(name->get_ref<const std::string&>());
+    if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
+    if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
+    if (prepared_ && prepared_->command == command && prepared_->fits(document())) return takeOver(*prepared_);
+
+    // Frames that follow each other are one line of the script.
+    if (what->name != "step") history_.flushFrames();
+    Document before = history_.document();  // shares all parts
+    NoMemory noMemory(what->name);
+    // A command may run others (SessionAccess::execute()): what it has told so far is its own.
+    struct Outer {
+        Session& session;
+        Change told = std::exchange(session.told_, {});
+        bool historyMoved = std::exchange(session.historyMoved_, false);
+        ~Outer() {
+            session.told_ = std::move(told);
+            session.historyMoved_ = historyMoved;
+        }
+    } outer{*this};
+    Result<Json> answer;
+    former_.reset();
+    try {
+        answer = perform(*what, command, before, progress);
+    } catch (const std::bad_alloc&) {
+        if (former_) putBack();
+        answer = tl::unexpected(std::move(historyMoved_ ? noMemory.done : noMemory.nothingDone));
+    }
+    former_.reset();
+    Change change;
+    if (answer && what->changesDocument()) {
+        try {
+            change.document = difference(before, history_.document());
+            history_.commit({what->name, subjectOf(command)}, before, command);
+        } catch (const std::bad_alloc&) {
+            answer = tl::unexpected(std::move(noMemory.nothingDone));
+        }
+    } else if (answer || historyMoved_) {
+        change = changeSince(before);
+    }
+    // What an action did to the history as a whole stands, even where it failed after that: half of it taken back would fit nothing.
+    if (!answer && !historyMoved_) {
+        takeBack(std::move(before));
+        return answer;
+    }
+    const bool posed = change.document.posing();
+    change.replaced = change.replaced || told_.replaced;
+    change.responses = told_.responses;
+    change.file = told_.file;
+    change.pose = told_.pose || posed || (what->changesDocument() && change.structure());
+    told_ = {};
+    const bool stepped = what->changesDocument() || historyMoved_;
+    if (stepped || change.structure() || change.responses) live_->stir(stepped);
+    try {
+        if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
+        if (change.structure() || change.responses) responses_.refresh();
+    } catch (const std::bad_alloc&) {
+        live_->drop();
+    }
+    if (stepped || change.structure() || change.pose || change.responses || change.file) tell(change);
+    return answer;
+}
+
+Result<Json> Session::perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress) {
+    Result<Json> answer;
+    try {
+        if (command.changesDocument()) {
+            DocumentEdit edit(history_.edit(), *live_, responses_, services_);
+            answer = command.change(edit, arguments, progress);
+            if (!answer) return answer;
+            for (const auto& [element, response] : edit.brought()) responses_.bring(element, response);
+            told_.responses = !edit.brought().empty();
+            if (auto ok = live_->follow(before); !ok) return tl::unexpected(ok.error());
+            if (command.pose) answer = command.pose(*live_, arguments, std::move(*answer));
+        } else {
+            SessionAccess access(*this);
+            answer = command.run(access, arguments, progress);
+        }
+        if (answer && !allFinite(*answer)) return fail("not-finite", "The answer is not finite: check the input of this command.");
+        return answer;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        return fail("internal", "\"" + command.name + "\" failed: " + error.what());
+    }
+}
+
+Json Session::takeOver(const PreparedStep& made) {
+    endGesture();
+    Json answer = made.answer;
+    const Document before = history_.document();
+    Change change;
+    change.document = difference(before, made.after);
+    change.pose = true;
+    history_.addStep(made.step, made.after, made.lines);
+    live_->lend(made.character);
+    live_->stir(true);
+    live_->followExchange(before);
+    try {
+        responses_.refresh();
+    } catch (const std::bad_alloc&) {
+        live_->drop();
+    }
+    tell(change);
+    return answer;
+}
+
+void Session::takeBack(Document&& before) noexcept {
+    told_ = {};
+    const Document failed = history_.rollBack(std::move(before));
+    responses_.dropGone();
+    live_->takeBack(failed);
+}
+
+Session::Change Session::changeSince(const Document& before) const noexcept {
+    Change change;
+    try {
+        change.document = difference(before, document());
+    } catch (const std::bad_alloc&) {
+        change.document = {};
+        change.replaced = true;  // what changed is not known
+    }
+    return change;
+}
+
+void Session::tell(const Change& change) noexcept {
+    if (listener_) listener_(change);
+}
+
+void Session::putBack() {
+    history_ = std::move(former_->history);
+    responses_.replace(std::move(former_->responses));
+    former_.reset();
+    live_->replace();
+    historyMoved_ = false;
+}
+
+// ---- gestures ----------------------------------------------------------------------------------------------------------
+
+void Session::beginGesture() {
+    if (history_.inGesture()) endGesture();
+    history_.beginGesture();
+}
+
+void Session::endGesture(Step named) {
+    if (history_.endGesture(std::move(named))) tell({});
+}
+
+Document Session::dropGesture() noexcept {
+    Document left = history_.cancelGesture();
+    live_->stir(true);
+    live_->followExchange(left);
+    return left;
+}
+
+void Session::cancelGesture() noexcept {
+    if (!history_.inGesture()) return;
+    const Document left = dropGesture();
+    Change change = changeSince(left);
+    change.pose = true;
+    tell(change);
+}
+
+// ---- the live character ------------------------------------------------------------------------------------------------
+
+Character* Session::character() {
+    const auto alive = live_->built();
+    return alive ? *alive : nullptr;
+}
+
+Result<Character*> Session::builtCharacter() { return live_->built(); }
+std::shared_ptr<const BuiltCharacter> Session::giveAwayCharacter() { return live_->giveAway(); }
+void Session::lendCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->lend(std::move(built)); }
+const CharacterPlan& Session::plan() const { return live_->plan(); }
+int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
+int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
+Result<std::vector<PoseFinding>> Session::checkPose() { return imomushi::checkPose(*live_); }
+std::vector<std::function<void()>> Session::missingWatches() {
+    const Character* alive = character();
+    return alive ? alive->missingWatches() : std::vector<std::function<void()>>();
+}
+const Pose& Session::shownPose() { return live_->shownPose(); }
+Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
+Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf(handle); }
+Points Session::positionsOf(PartId element) { return live_->positionsOf(element); }
+Points Session::renderPositionsOf(PartId character) { return live_->renderPositionsOf(character); }
+bool Session::moving() { return live_->moving(); }
+
+void Session::stepFrame(double seconds) {
+    const auto& met = document().effects[EffectKind::Contact].elements;
+    const std::size_t before = met.size();
+    live_->stepFrame(seconds);
+    if (met.size() == before) return;
+    // What met lacks its patches now: who listens shows it so.
+    Change change;
+    change.document.effects = document().effects;
+    change.responses = true;
+    tell(change);
+}
+
+std::optional<double> Session::effectMilliseconds(EffectKind effect) const { return live_->effectMilliseconds(effect); }
+unsigned Session::warnings() const { return live_->warnings(); }
+
+std::optional<Session::Recording> Session::recording() const {
+    const auto& recorded = live_->recording();
+    if (!recorded) return std::nullopt;
+    return Recording{recorded->take.name, recorded->take.times.size(), recorded->take.duration()};
+}
+
+bool Session::showsTake() const { return live_->showsTake(); }
+
+// ---- for studio and recovery -------------------------------------------------------------------------------------------
+
+void Session::setListener(std::function<void(const Change&)> listener) { listener_ = std::move(listener); }
+
+Project Session::project() {
+    responses_.refresh();
+    return {history_.document(), responses_.last(), {}};
+}
+
+// ---- what commands may do ----------------------------------------------------------------------------------------------
+
+SessionAccess::SessionAccess(Session& owner) : session(owner), live(*owner.live_), responses(owner.responses_), services(owner.services_) {}
+
+Result<bool> SessionAccess::undo(int count) {
+    if (session.history_.inGesture()) {
+        session.dropGesture();
+        session.historyMoved_ = session.told_.pose = true;
+        return false;
+    }
+    const Document before = session.document();
+    if (auto ok = session.history_.undo(count); !ok) return tl::unexpected(ok.error());
+    session.historyMoved_ = true;
+    live.followExchange(before);
+    return true;
+}
+
+Result<bool> SessionAccess::redo(int count) {
+    session.endGesture();
+    const Document before = session.document();
+    if (auto ok = session.history_.redo(count); !ok) return tl::unexpected(ok.error());
+    session.historyMoved_ = true;
+    live.followExchange(before);
+    return true;
+}
+
+std::shared_ptr<const Take> SessionAccess::addTake(Take take, const Json& line) {
+    Document after = session.document();
+    take.id = after.nextId++;
+    auto added = std::make_shared<const Take>(std::move(take));
+    after.takes.emplace(added->id, added);
+    session.history_.addStep({text(line, "do"), added->name}, std::move(after), {line});
+    session.historyMoved_ = true;
+    return added;
+}
+
+void SessionAccess::endStep(DocumentHistory::Step step) {
+    session.history_.endGesture(std::move(step));
+    session.historyMoved_ = true;
+}
+
+void SessionAccess::replace(Project project, std::filesystem::path path, bool saved, const Json& line) {
+    for (const auto& [element, response] : project.responses) responses.store().insert(response.key, response.response);
+    DocumentHistory history;
+    history.setLimits(session.history_);
+    history.replace(std::move(project.document), std::move(path), saved, line);
+    session.former_.emplace(std::exchange(session.history_, std::move(history)), responses.replace({std::move(project.responses), {}}));
+    session.historyMoved_ = true;
+    live.replace();
+    session.told_.replaced = session.told_.pose = session.told_.responses = session.told_.file = true;
+}
+
+void SessionAccess::markSaved(const std::filesystem::path& path) {
+    session.history_.markSaved(path);
+    responses.markSaved();
+    session.told_.file = true;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/character/character.h"
+#include "core/commands/services.h"
+#include "core/document/command.h"
+#include "core/document/document.h"
+#include "core/document/document_history.h"
+#include "core/project/document_responses.h"
+#include "core/project/project_versions.h"
+
+namespace imomushi {
+
+struct BuiltCharacter;
+class LiveCharacter;
+struct CharacterPlan;
+struct PoseFinding;
+struct PreparedStep;
+struct Project;
+
+/// A document that is being worked on, with its responses and its live character. execute() is the one door for change; all else asks, or lets time pass.
+class Session {
+public:
+    /// `registry` must outlive the session. `store`: of responses, shared with other sessions; null: one of its own, in memory.
+    explicit Session(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store = nullptr);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// Runs one command: {"do": name, key: value, ...}. Checks names, types and finiteness of every key first; on an error the document
+    /// is as it was. Errors: "unknown-command", "unknown-key", "missing-key", "bad-type", "not-finite", "no-memory" (nothing changed), "no-memory-after" (an action that
+    /// made a step and ran out of memory after that: undo takes it back), and the command's own.
+    Result<Json> execute(const Json& command, const Progress& progress = {});
+
+    [[nodiscard]] const Document& document() const { return history_.document(); }
+    [[nodiscard]] const CommandRegistry& registry() const { return registry_; }
+
+    // ---- history
+    using Step = DocumentHistory::Step;
+    [[nodiscard]] const std::vector<Step>& steps() const { return history_.steps(); }  ///< all, oldest first
+    [[nodiscard]] int position() const { return history_.position(); }                 ///< how many of them are done; the rest can be redone
+    /// See DocumentHistory::setDepth().
+    void setHistoryDepth(int steps) { history_.setDepth(steps); }
+    /// Of what "save" replaces and writes.
+    void setVersionLimits(const VersionLimits& limits) { versions_ = limits; }
+    [[nodiscard]] const VersionLimits& versionLimits() const { return versions_; }
+    /// Commands between begin and end become one undo step (a drag gesture). cancelGesture() takes them back.
+    void beginGesture();
+    /// `named`: the step is called so, instead of after the last command.
+    void endGesture(Step named = {});
+    void cancelGesture() noexcept;
+    /// Differs from what was last saved or opened, or has responses that were computed since.
+    [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
+    [[nodiscard]] const std::filesystem::path& path() const { return history_.path(); }  ///< of the project file, empty: never saved
+    /// The commands that make the document again, as "save-script" writes them; see DocumentHistory::hasScript().
+    [[nodiscard]] std::vector<Json> script() const { return history_.script(); }
+    [[nodiscard]] bool hasScript() const { return history_.hasScript(); }
+    void setScriptBytes(std::size_t bytes) { history_.setScriptBytes(bytes); }
+
+    // ---- responses: see DocumentResponses
+    DocumentResponses& responses() { return responses_; }
+    using ResponseState = imomushi::ResponseState;
+    using SharedResponse = imomushi::SharedResponse;
+    [[nodiscard]] ResponseState responseState(PartId element) const { return responses_.stateOf(element); }
+    [[nodiscard]] ResponseInput responseInput(PartId element) const { return responses_.inputOf(element); }
+    [[nodiscard]] const SharedResponse* sharedResponse(PartId element) const { return responses_.sharedOf(element); }
+    [[nodiscard]] std::shared_ptr<const ElementResponse> response(PartId element) const { return responses_.freshOf(element); }
+    [[nodiscard]] ResponseEstimate responseEstimate(PartId element) const { return responses_.estimateOf(element); }
+    [[nodiscard]] EffectCost effectCost(EffectKind effect) const { return responses_.costOf(effect); }
+
+    // ---- the live character: see LiveCharacter
+    /// Null: there is none, or it cannot be built.
+    Character* character();
+    /// Null: there are no elements and no bones. Errors: those of LiveCharacter::built().
+    Result<Character*> builtCharacter();
+    /// See LiveCharacter::giveAway() and lend(): a character that another session built beside this one.
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAwayCharacter();
+    void lendCharacter(std::shared_ptr<const BuiltCharacter> built);
+    /// Of the character that was built last.
+    [[nodiscard]] const CharacterPlan& plan() const;
+    [[nodiscard]] int elementIndex(PartId element) const;        ///< in character(), -1: none
+    [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
+    const Pose& shownPose();
+    /// See pose_check.h. Errors: those of LiveCharacter::built().
+    Result<std::vector<PoseFinding>> checkPose();
+    /// What checkPose() would make first: see Character::missingWatches().
+    std::vector<std::function<void()>> missingWatches();
+    Result<Vec3> positionOf(const EndpointRef& end);
+    Result<HandlePose> poseOf(const FaceRef& handle);
+    [[nodiscard]] Points positionsOf(PartId element);
+    [[nodiscard]] Points renderPositionsOf(PartId character);
+    bool moving();
+    /// Advances by one frame (s). What "step" does `frames` times.
+    void stepFrame(double seconds);
+    [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    [[nodiscard]] unsigned warnings() const;                                 ///< of FrameWarning, see LiveCharacter
+    /// What is being recorded (the command "record"); none: nothing.
+    struct Recording {
+        std::string take;
+        std::size_t frames = 0;
+        double seconds = 0.0;
+    };
+    [[nodiscard]] std::optional<Recording> recording() const;
+    /// A take is what is seen (the command "play"), not the pose of the document.
+    [[nodiscard]] bool showsTake() const;
+
+    // ---- for studio and recovery
+    /// What a command or gesture changed.
+    struct Change {
+        DocumentChange document;  ///< the parts that changed, as they were
+        bool replaced = false;    ///< another document took its place
+        bool pose = false;        ///< what is shown moved
+        bool responses = false;
+        bool file = false;        ///< path or saved state
+        [[nodiscard]] bool structure() const { return replaced || document.structure(); }
+    };
+    /// Called after each change, on the caller's thread. It must not throw: what it is told has happened.
+    void setListener(std::function<void(const Change&)> listener);
+    /// What slow work commands ask for; see Services.
+    [[nodiscard]] Services& services() { return services_; }
+    /// execute() takes this over instead of executing the same command again, while it fits the document. Null: none.
+    void setPrepared(std::shared_ptr<const PreparedStep> step) { prepared_ = std::move(step); }
+    /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
+    [[nodiscard]] Project project();
+
+private:
+    friend class SessionAccess;
+    /// Throws std::bad_alloc only while nothing has changed.
+    Result<Json> executeOrThrow(const Json& command, const Progress& progress);
+    /// Runs a command that was checked, and what follows from it.
+    Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
+    Json takeOver(const PreparedStep& made);
+    // What takes back asks for no memory that it could not do without.
+    void takeBack(Document&& before) noexcept;
+    [[nodiscard]] Change changeSince(const Document& before) const noexcept;
+    void tell(const Change& change) noexcept;
+    /// The document that was replaced is back.
+    void putBack();
+    /// Takes back the gesture that goes on. The document as it was with it.
+    Document dropGesture() noexcept;
+
+    const CommandRegistry& registry_;
+    DocumentHistory history_;
+    VersionLimits versions_;
+    DocumentResponses responses_;
+    std::unique_ptr<LiveCharacter> live_;
+    std::function<void(const Change&)> listener_;
+    Services services_ = coreServices();
+    /// What another document took the place of, until the command that did it has ended.
+    struct Former {
+        DocumentHistory history;
+        DocumentResponses::Remembered responses;
+    };
+    std::optional<Former> former_;
+    Change told_;  // by the command that runs, besides the parts of the document
+    bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
+    std::shared_ptr<const PreparedStep> prepared_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/plane.h"
+#include "core/character/effect_settings.h"
+#include "core/character/frame_job.h"
+#include "core/dynamics/flesh_clearance.h"
+
+namespace imomushi {
+
+struct ElementFrame;
+
+/// A plane below which nothing goes. Bones keep above it (core/live/performance.h), as far as the flesh around them asks.
+struct GroundEffect : EffectOf<GroundEffect> {
+    static constexpr std::string_view kName = "ground";
+    static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Ground");
+    static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Bodies rest on a plane and do not sink through it.");
+    double height = 0.0;    ///< m
+    double friction = 0.6;  ///< Coulomb's coefficient
+
+    [[nodiscard]] Plane plane() const { return Plane::level(height); }
+
+    static constexpr auto properties() {
+        return std::array{
+            number<&GroundEffect::height>("height", "m", -1e9, 1e9, IMOMUSHI_TEXT("Effects", "Height"), IMOMUSHI_TEXT("Effects", "Height of the plane.")),
+            number<&GroundEffect::friction>("friction", "", 0.0, 10.0, IMOMUSHI_TEXT("Effects", "Friction"),
+                                            IMOMUSHI_TEXT("Effects", "Coulomb’s coefficient between bodies and the ground, with bone dynamics.")),
+        };
+    }
+    [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
+};
+
+/// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
+/// element is bent. They are where pose, loads and bend warp have them, without dents, which are what the ground makes of them. Evaluated here whoever deforms the
+/// element. Where it is warped or dented, which is done here alone and as no sample foresees, its depth is that of all its vertices as they are shown.
+///   reads   ElementFrame::frame, v, local, dented, positions; JointFrame::map
+///   writes  ElementFrame::aloft, Frame::up, for the next frame
+class GroundJob final : public EffectJob<GroundEffect> {
+public:
+    GroundJob(const Frame& frame, const GroundEffect& settings);
+
+    void run(Stage stage, Frame& frame) override;
+    [[nodiscard]] std::size_t bytes() const override;
+    /// As of the last frame, by joint point.
+    [[nodiscard]] std::span<const FleshPoint> flesh() const { return flesh_; }
+    /// The same, by element.
+    [[nodiscard]] std::span<const FleshDepth> depths() const { return depths_; }
+
+    static constexpr std::size_t kPerPoint = 128;  ///< vertices of an element around one joint point, at most
+
+private:
+    struct Chosen {
+        std::int32_t vertex = 0;
+        int held = -1;          // its place in ElementFrame::held; -1: it is free
+        Eigen::Index row = 0;   // of a free one, in Element::rows
+        Vec3 rest = Vec3::Zero();
+        std::size_t flesh = 0;  // its place in flesh_
+    };
+    struct Element {
+        std::size_t index = 0;
+        std::vector<Chosen> chosen;
+        Eigen::MatrixXf rows;      // 3 x free chosen, by weights: m
+        Eigen::VectorXf weights, moved;
+    };
+    bool take(const GroundEffect&) override;
+    void measure(Element& element, double& depth, Frame& frame);
+
+    std::vector<Element> elements_;
+    std::vector<FleshPoint> flesh_;
+    std::vector<FleshDepth> depths_;  // of elements_
+    std::vector<Vec3> at_;   // of flesh_, m, world
+    bool measured_ = false;  // all of it, as it was shown last
+};
+
+/// Flesh that the ground may meet, as of the last update(). Empty without that effect.
+inline std::span<const FleshPoint> groundFlesh(const Character& character) {
+    const GroundJob* ground = character.job<GroundJob>();
+    return ground ? ground->flesh() : std::span<const FleshPoint>();
+}
+inline std::span<const FleshDepth> groundDepths(const Character& character) {
+    const GroundJob* ground = character.job<GroundJob>();
+    return ground ? ground->depths() : std::span<const FleshDepth>();
+}
+
+}  // namespace imomushi

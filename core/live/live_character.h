@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/character/character.h"
+#include "core/document/character_input.h"
+#include "core/document/document_history.h"
+#include "core/document/embed_model.h"
+#include "core/document/take.h"
+#include "core/live/performance.h"
+#include "core/project/document_responses.h"
+
+namespace imomushi {
+
+/// What a LiveCharacter built, for another one of a document that shares parts with its own. On any thread.
+struct BuiltCharacter {
+    Character character;
+    EmbeddedModels models;
+};
+
+/// The character of a document as it moves: everything that is derived from the document and never saved. Built when somebody asks, from the responses that are
+/// there; elements without a fresh one follow their bones rigidly, or with their last response while it still fits. Of the document it writes only what passes
+/// with time, see DocumentHistory.
+class LiveCharacter {
+public:
+    /// Both must outlive this.
+    LiveCharacter(DocumentHistory& history, DocumentResponses& responses);
+
+    /// Null: there is none, or it cannot be built. It is not here any more then.
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAway();
+    /// built() takes over what fits when it builds next.
+    void lend(std::shared_ptr<const BuiltCharacter> built) { lent_ = std::move(built); }
+
+    [[nodiscard]] const Document& document() const { return history_.document(); }
+
+    // ---- what it is
+    /// Built anew where the document or the responses ask for it. Null with an empty document. Errors: those of planCharacter() and Character::build().
+    Result<Character*> built();
+    /// Of the character that built() made last.
+    [[nodiscard]] const CharacterPlan& plan() const { return plan_; }
+    /// The plan of any state of the document; the two latest are remembered. Errors: those of planCharacter().
+    Result<std::shared_ptr<const CharacterPlan>> planOf(const Document& document);
+
+    // ---- where it is
+    /// The pose that is shown: the document's, or where effects have taken it, or that of a take. Empty: at rest.
+    const Pose& shownPose();
+    /// Where an endpoint is shown, m. Errors: those of built().
+    Result<Vec3> positionOf(const EndpointRef& end);
+    /// Render vertices of a character as they are shown, in the order of its file, double precision, m.
+    [[nodiscard]] Points renderPositionsOf(PartId character);
+    /// Where a handle is shown, in the world. Errors: those of built(), "no-such-handle".
+    Result<HandlePose> poseOf(const FaceRef& handle);
+    /// The pose in the world, relative to what carries the handle now. Errors: as poseOf().
+    Result<HandlePose> carried(const FaceRef& handle, const HandlePose& world);
+    /// Body vertices of an element as they are shown, double precision, m.
+    [[nodiscard]] Points positionsOf(PartId element);
+    /// write-mesh and measure see these positions of an element, until the character moves.
+    void showPositions(PartId element, Points positions) { positions_.insert_or_assign(element, std::move(positions)); }
+    void hidePositions() { positions_.clear(); }
+
+    // ---- posing
+    struct Settled {
+        int iterations = 0;
+        bool settled = true;
+        double milliseconds = 0.0;
+        unsigned warnings = 0;  ///< of FrameWarning
+    };
+    /// Solves the static pose towards the targets. With bone dynamics the shown pose follows as frames pass. Errors: those of built().
+    Result<Settled> settle();
+    /// The pose becomes the rest pose, as far as targets allow: where bone dynamics take a body that is let go. Errors: those of built().
+    Result<void> returnToRest();
+    /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
+    void showPose();
+    /// The same, and nothing moves any more.
+    void jumpToPose();
+    /// Puts a finger of the document on the character. False: it cannot be touched there.
+    bool putFinger(const Touch& touch);
+
+    // ---- time
+    /// Advances glides, poses and effects by one frame (s) and updates the character.
+    void stepFrame(double seconds);
+    /// Something goes on by itself: frames must be stepped to see it.
+    bool moving();
+    /// Milliseconds that an effect took in the last frame; none: the frame did without it.
+    [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    /// Of FrameWarning: what the last frame has to say.
+    [[nodiscard]] unsigned warnings() const;
+    /// The last frame was longer than bone dynamics can follow.
+    [[nodiscard]] bool droppedTime() const;
+    /// One sentence for each bit of FrameWarning, and what the plan says.
+    [[nodiscard]] std::vector<std::string> warningTexts(unsigned warnings) const;
+
+    // ---- takes
+    /// A take that is being recorded.
+    struct Recording {
+        Take take;
+        std::map<EndpointRef, EndpointGoal> goals;   ///< as of the last frame
+        double passed = 0.0;                         ///< s, since the last frame
+        bool going = true;                           ///< false: it ended, as the character is another one or the take is full
+    };
+    [[nodiscard]] const std::optional<Recording>& recording() const { return recording_; }
+    /// Begins a take with what is shown. Errors: those of built(), "no-element".
+    Result<void> startRecording(const std::string& name);
+    /// What is recorded so far, without an id.
+    [[nodiscard]] Take recordedTake() const;
+    void endRecording() noexcept;
+    /// A frame of a take that is made at once.
+    struct PlayedFrame {
+        Pose pose;
+        std::vector<std::pair<MorphRef, double>> morphs;  ///< weights of morph targets; others are as the document has them
+    };
+    /// A take of frames that are shown one after the other, without an id: what the flesh makes of them, without bone dynamics. Afterwards the document is shown, at rest.
+    /// times: as Take::times. Errors: those of built(), "no-element", "too-long", "cancelled".
+    Result<Take> playThrough(const std::string& name, const std::vector<double>& times, const std::function<PlayedFrame(double time)>& frameAt, const Progress& progress);
+    /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of built(), "no-element".
+    Result<bool> showTake(const Take& take, double time);
+    [[nodiscard]] bool showsTake() const { return shownTake_.has_value(); }
+    /// The take was recorded on this character, so that its shapes fit.
+    [[nodiscard]] bool fits(const Take& take) const;
+
+    // ---- following the document: what the session calls when it has changed
+    /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), settle() and built().
+    Result<void> follow(const Document& before);
+    /// After a failed command, with the document as it left it.
+    void takeBack(const Document& failed) noexcept;
+    /// After undo, redo and a gesture that was cancelled: jumps to the pose.
+    void followExchange(const Document& before) noexcept;
+    /// There was no memory to follow: whoever asks next has it built from nothing.
+    void drop() noexcept;
+    /// Another document took the place of this one.
+    void replace();
+    /// Ends what counts as at rest. `posed`: targets or poses may be others, which are solved again.
+    void stir(bool posed);
+    /// Shows the document again where a take is shown.
+    void leaveTake();
+
+private:
+    /// Plans depend on these parts of a document alone.
+    struct KnownPlan {
+        std::map<PartId, std::shared_ptr<const Element>> elements;
+        std::map<PartId, std::shared_ptr<const Joint>> joints;
+        std::map<PartId, std::shared_ptr<const Bone>> bones;
+        CharacterSettings settings;
+        Effects effects;
+        std::shared_ptr<const CharacterPlan> plan;
+    };
+    /// The pose of the document, rest where that is empty.
+    [[nodiscard]] Pose posed() const;
+    /// The same, which is then in the document.
+    Pose& ownPose();
+    [[nodiscard]] bool usesLatestResponses() const;
+    /// Errors: those of built(); those of planning and building stay until the document is another.
+    Result<void> build();
+    /// Empties a pose of another skeleton.
+    void dropForeignPose();
+    /// Makes `performance_` what the effects of the document ask for. Errors: those of Performance.
+    Result<void> prepare();
+    /// Fills `goals_` with the targets as they are now.
+    void collectGoals();
+    /// Puts the handles of the character where the document has them. False: they were there.
+    bool applyHandles();
+    /// Turns rigid parts as the document has them. False: they were turned so.
+    bool applyTurns();
+    /// Weights of morph targets as the document has them. False: they were so.
+    bool applyMorphs();
+    /// Puts the fingers of the character where the document has them.
+    void applyTouches();
+    /// Tells the ground where flesh is shown.
+    void seeFlesh();
+    /// Shows a pose until no flesh of it is in the ground.
+    void liftFlesh(const Pose& pose);
+    void measureEffects();
+    /// The bones of a take are those of the character, between the same joint points.
+    [[nodiscard]] bool sameSkeleton(const Take& take) const;
+    /// A take of the character as it is, without frames.
+    [[nodiscard]] Take emptyTake(const std::string& name) const;
+    /// Adds what is shown now, `seconds` after the last frame, to the take that is being recorded.
+    void recordFrame(double seconds);
+
+    DocumentHistory& history_;
+    DocumentResponses& responses_;
+    std::vector<KnownPlan> knownPlans_;  // latest last
+    EmbeddedModels embeddedModels_;      // of characters
+    std::shared_ptr<const BuiltCharacter> lent_;
+
+    CharacterPlan plan_;
+    std::optional<Character> character_;
+    std::optional<Error> error_;         // why there is no character
+    bool valid_ = false;                 // character_ or error_ is that of the document
+    std::uint64_t responsesSeen_ = 0;    // revision of the store
+    std::optional<Performance> performance_;  // where effects want one
+    bool performanceValid_ = false;
+
+    std::vector<IkGoal> goals_;
+    std::vector<IkGoal> settledGoals_;     // while poseSettled_: the pose is the last word of inverse kinematics on these
+    bool poseSettled_ = false;
+    bool stirred_ = false;               // poses or targets changed since everything came to rest
+    std::array<double, kEffects> effectMs_;  // of the last frame; negative: it had no such effect
+    std::map<PartId, Points> positions_;     // see showPositions()
+    std::optional<Recording> recording_;
+    std::optional<Pose> shownTake_;      // the pose of a take that is shown instead of the document's
+};
+
+}  // namespace imomushi

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/project/document_responses.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/parallel.h"
+
+namespace imomushi {
+
+namespace {
+
+/// More estimates than these are not worth their memory: all are forgotten then.
+constexpr std::size_t kMaxEstimates = 4096;
+
+/// Whether a response is one of this element: the same free vertices and bases of the same kind.
+bool fits(const ElementResponse& response, const Element& element, const BasisChoice& basis) {
+    if (response.bases.size() != element.faces.size()) return false;
+    const auto count = static_cast<std::size_t>(element.mesh->body.vertices.rows());
+    std::vector<bool> held(count, false);
+    for (std::size_t f = 0; f < element.faces.size(); ++f) {
+        if (!(response.bases[f] == FaceBasis::on(element.mesh->body, element.faces[f], basis))) return false;
+        for (const std::int32_t v : element.faces[f].vertices) held[static_cast<std::size_t>(v)] = true;
+    }
+    std::size_t next = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        if (held[v]) continue;
+        if (next == response.freeVertices.size() || static_cast<std::size_t>(response.freeVertices[next]) != v) return false;
+        ++next;
+    }
+    return next == response.freeVertices.size() && response.response.rows() == static_cast<Eigen::Index>(3 * next) &&
+           response.response.cols() == response.columns() && response.stiffness.rows() == response.columns() &&
+           response.tractions.rows() == (basis == BasisKind::Full ? response.columns() : 0);
+}
+
+/// Keys of responses that may have all that `input` asks for, its own first: body loads may be there that nobody asked for, or not with `Always`. The first kKept have
+/// the same bytes; the one after them, without body loads, is of a project file of old and rounds otherwise.
+constexpr std::size_t kKept = 2;
+std::vector<ContentKey> answeringKeys(ResponseInput input) {
+    const bool asked = input.loads == BodyLoads::Always;
+    std::vector<ContentKey> keys{responseKey(input)};
+    input.loads = asked ? BodyLoads::WhereCheap : BodyLoads::Always;
+    keys.push_back(responseKey(input));
+    if (asked) return keys;
+    input.loads = BodyLoads::None;
+    keys.push_back(responseKey(input));
+    return keys;
+}
+
+bool answers(const ElementResponse& response, bool loads) { return !loads || response.loads.cols() > 0; }
+
+}  // namespace
+
+DocumentResponses::DocumentResponses(const Document& document, std::shared_ptr<ResponseStore> store) : document_(document), store_(std::move(store)) {}
+
+// ---- what is asked for -------------------------------------------------------------------------------------------------
+
+DocumentResponses::Wish DocumentResponses::wishOf(PartId element) const {
+    const EffectColumns columns = columnsAsked(document_.effects, element);
+    Wish wish;
+    wish.basis = document_.settings.basis;
+    wish.loads = columns.loads;
+    wish.touch = columns.patches;
+    return wish;
+}
+
+ResponseInput DocumentResponses::inputOf(PartId element) const {
+    const Element& e = *document_.elements.at(element);
+    const Wish wish = wishOf(element);
+    ResponseInput input;
+    input.mesh = e.mesh;
+    input.faces = e.faces;
+    for (const Handle& handle : e.handles) input.faces[static_cast<std::size_t>(e.faceIndex(handle.face))].disc = SurfaceDisc{handle.point, handle.radius};
+    input.nu = e.nu;
+    input.basis = wish.basis;
+    input.loads = wish.loads ? BodyLoads::Always : BodyLoads::WhereCheap;
+    input.touch = wish.touch;
+    input.solverMesh = e.solverMesh;
+    input.threads = threads();
+    return input;
+}
+
+int DocumentResponses::threads() const { return document_.settings.threads > 0 ? document_.settings.threads : hardwareThreads(); }
+
+ResponseInput DocumentResponses::inputOfDraft(PartId element) const {
+    ResponseInput input = inputOf(element);
+    input.solverMesh = {SolverMeshSetting::Kind::Draft, 0};
+    return input;
+}
+
+DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
+    const auto& part = document_.elements.at(element);
+    Asked& known = asked_[element];
+    if (const Wish wish = wishOf(element); known.element != part || !(known.wish == wish)) {
+        ResponseInput input = inputOf(element);
+        known = {part, wish, {}, {}, answeringKeys(input), {}, {}, {}};
+        known.key = known.keys.front();
+        input.nu = 0.0;
+        input.loads = BodyLoads::None;
+        input.touch = 0;
+        known.shape = responseKey(input);
+    }
+    return known;
+}
+
+const ContentKey& DocumentResponses::partsOf(PartId element) const {
+    Asked& known = asked(element);
+    if (known.parts) return *known.parts;
+    ContentHasher hasher;
+    const TriangleMesh& body = known.element->mesh->body;
+    hasher.number(static_cast<std::int64_t>(body.vertices.rows()));
+    Triangles triangles = body.triangles;  // of mirror images they are turned round
+    triangles.col(1) = body.triangles.col(1).cwiseMin(body.triangles.col(2));
+    triangles.col(2) = body.triangles.col(1).cwiseMax(body.triangles.col(2));
+    hasher.bytes(triangles.data(), static_cast<std::size_t>(triangles.size()) * sizeof(std::int32_t));
+    for (const JointFace& face : known.element->faces) hasher.bytes(face.vertices.data(), face.vertices.size() * sizeof(std::int32_t));
+    hasher.number(known.element->nu);
+    hasher.number(static_cast<int>(known.wish.loads));
+    hasher.number(known.wish.touch);
+    return *(known.parts = hasher.key());
+}
+
+const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
+    if (!(sharing_.basis == document_.settings.basis && sharing_.effects == document_.effects && sharing_.elements == document_.elements)) findShared();
+    const auto found = sharing_.shared.find(element);
+    return found == sharing_.shared.end() ? nullptr : &found->second;
+}
+
+void DocumentResponses::findShared() const {
+    const Sharing& was = sharing_;
+    Sharing now;
+    now.elements = document_.elements;
+    now.basis = document_.settings.basis;
+    now.effects = document_.effects;
+    struct Candidate {
+        PartId id;
+        bool known;  // unchanged, and computed itself the last time too
+    };
+    std::map<ContentKey, std::vector<Candidate>> computed;  // by parts: others cannot be congruent
+    for (const auto& [id, part] : document_.elements) {
+        if (part->faces.empty()) continue;
+        const auto oldKey = was.keys.find(id);
+        const bool same = oldKey != was.keys.end() && oldKey->second == keyOf(id);
+        now.keys.emplace(id, keyOf(id));
+        const auto last = same ? was.shared.find(id) : was.shared.end();
+        auto& candidates = computed[partsOf(id)];
+        bool found = false;
+        for (const Candidate& first : candidates) {
+            if (same && first.known) {
+                if (last != was.shared.end() && last->second.from == first.id) {
+                    now.shared.insert(*last);
+                    found = true;
+                    break;
+                }
+                // The last time, all up to the one it shared with were found not to be congruent.
+                if (last == was.shared.end() || first.id < last->second.from) continue;
+            }
+            auto congruence = findCongruence(inputOf(first.id), inputOf(id));
+            if (!congruence) continue;
+            now.shared[id] = {first.id, std::make_shared<const Congruence>(std::move(*congruence))};
+            found = true;
+            break;
+        }
+        if (!found) candidates.push_back({id, same && last == was.shared.end()});
+    }
+    sharing_ = std::move(now);
+}
+
+// ---- what is there -----------------------------------------------------------------------------------------------------
+
+std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_ptr<const ElementResponse> response, PartId element) const {
+    Asked& known = asked(element);
+    if (!response || response == known.fitting.lock()) return response;
+    if (!fits(*response, *known.element, known.wish.basis)) return nullptr;
+    known.fitting = response;
+    return response;
+}
+
+std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element).response, element); }
+
+StoredResponse DocumentResponses::found(PartId element) const {
+    const Asked& known = asked(element);
+    StoredResponse response = found(*known.element, known.keys, known.wish.loads);
+    response.shape = known.shape;
+    return response;
+}
+
+StoredResponse DocumentResponses::found(const Element& element, std::span<const ContentKey> keys, bool loads) const {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        auto response = i < kKept ? store_->find(keys[i], element.mesh->body, element.faces) : store_->find(keys[i]);  // no answer depends on what a folder holds
+        if (response && answers(*response, loads)) return {keys[i], {}, std::move(response)};
+    }
+    return {};
+}
+
+bool DocumentResponses::has(PartId element, const ResponseInput& input) const {
+    return found(*document_.elements.at(element), answeringKeys(input), input.loads == BodyLoads::Always).response != nullptr;
+}
+
+bool DocumentResponses::isFresh(PartId element, const StoredResponse& response) const {
+    const Asked& known = asked(element);
+    return std::find(known.keys.begin(), known.keys.end(), response.key) != known.keys.end() && answers(*response.response, known.wish.loads);
+}
+
+std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
+    if (auto fresh = found(element).response) return checked(std::move(fresh), element);
+    const auto last = last_.find(element);
+    return last != last_.end() && last->second.shape == shapeOf(element) ? checked(last->second.response, element) : nullptr;
+}
+
+ResponseState DocumentResponses::stateOf(PartId element) const {
+    if (!document_.elements.contains(element)) return ResponseState::None;
+    if (freshOf(element)) return ResponseState::Fresh;
+    return last_.contains(element) ? ResponseState::Stale : ResponseState::None;
+}
+
+bool DocumentResponses::isDraft(PartId element) const {
+    const auto last = last_.find(element);
+    if (last == last_.end() || stateOf(element) != ResponseState::Stale || !fittingOf(element)) return false;
+    auto& drafts = asked(element).drafts;
+    if (drafts.empty()) drafts = answeringKeys(inputOfDraft(element));
+    return std::find(drafts.begin(), drafts.end(), last->second.key) != drafts.end();
+}
+
+// ---- what it costs -----------------------------------------------------------------------------------------------------
+
+ResponseEstimate DocumentResponses::estimateOf(PartId element) const {
+    if (document_.elements.at(element)->faces.empty()) return {};
+    if (const SharedResponse* shared = sharedOf(element)) return carryEstimate(estimateOf(shared->from), inputOf(element));
+    return estimateOf(keyOf(element), inputOf(element));
+}
+
+ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const ResponseInput& input) const {
+    const std::pair asked(key, input.threads);
+    if (const auto known = estimates_.find(asked); known != estimates_.end()) return known->second;
+    if (estimates_.size() >= kMaxEstimates) estimates_.clear();
+    return estimates_[asked] = estimateResponse(input);
+}
+
+// ---- computing ---------------------------------------------------------------------------------------------------------
+
+Result<std::shared_ptr<const ElementResponse>> DocumentResponses::compute(PartId element, const Progress& progress) {
+    if (auto known = freshOf(element)) return known;
+    Result<ElementResponse> built;
+    if (const SharedResponse* shared = sharedOf(element)) {
+        const auto first = compute(shared->from, progress);
+        if (!first) return first;
+        if (auto known = freshOf(element)) return known;  // the very same body in the same place
+        built = shared->how->carry(**first);
+    } else {
+        built = buildResponse(inputOf(element), progress);
+    }
+    if (!built) return fail(built.error().code, "\"" + document_.elements.at(element)->name + "\": " + built.error().message);
+    auto response = std::make_shared<const ElementResponse>(std::move(*built));
+    insert(keyOf(element), response, sharedOf(element) != nullptr);
+    last_.insert_or_assign(element, StoredResponse{keyOf(element), shapeOf(element), response});
+    return response;
+}
+
+std::set<PartId> DocumentResponses::computeTogether(std::span<const PartId> elements, const Progress& progress) {
+    std::vector<PartId> ids;
+    std::vector<ResponseInput> inputs;
+    for (const PartId id : elements) {
+        if (document_.elements.at(id)->faces.empty() || freshOf(id) || sharedOf(id)) continue;
+        ResponseInput input = inputOf(id);
+        if (!solvedBesideOthers(input)) continue;
+        ids.push_back(id);
+        inputs.push_back(std::move(input));
+    }
+    if (ids.size() < 2) return {};
+    std::vector<std::shared_ptr<const ElementResponse>> made(ids.size());
+    buildResponses(inputs, threads(), [&](std::size_t i, Result<ElementResponse> response) {
+        if (response) made[i] = std::make_shared<const ElementResponse>(std::move(*response));
+    }, progress);
+    std::set<PartId> done;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        if (!made[i]) continue;
+        insert(keyOf(ids[i]), made[i], false);
+        last_.insert_or_assign(ids[i], StoredResponse{keyOf(ids[i]), shapeOf(ids[i]), made[i]});
+        done.insert(ids[i]);
+    }
+    return done;
+}
+
+void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried) {
+    unsaved_.insert(key);
+    // One that was carried over depends on whose it was, in its last digits: it stays in this process, so that no answer depends on what a folder holds.
+    if (carried)
+        store_->insert(key, std::move(response));
+    else
+        store_->insertComputed(key, std::move(response));
+}
+
+void DocumentResponses::bring(PartId element, const StoredResponse& response) {
+    store_->insert(response.key, response.response);
+    last_.insert_or_assign(element, response);
+}
+
+// ---- the project -------------------------------------------------------------------------------------------------------
+
+void DocumentResponses::refresh() {
+    dropGone();
+    for (const auto& [id, part] : document_.elements)
+        if (auto fresh = found(id); checked(fresh.response, id)) last_.insert_or_assign(id, std::move(fresh));
+}
+
+void DocumentResponses::dropGone() {
+    const auto gone = [&](const auto& item) { return !document_.elements.contains(item.first); };
+    std::erase_if(last_, gone);
+    std::erase_if(asked_, gone);
+}
+
+bool DocumentResponses::unsaved() const {
+    for (const auto& [id, response] : last_)
+        if (unsaved_.contains(response.key) && document_.elements.contains(id)) return true;
+    return false;
+}
+
+void DocumentResponses::markSaved() {
+    for (const auto& [id, response] : last_) unsaved_.erase(response.key);
+}
+
+DocumentResponses::Remembered DocumentResponses::replace(Remembered by) {
+    asked_.clear();
+    sharing_.elements.clear();  // asks for no memory, as an empty Sharing would
+    sharing_.keys.clear();
+    sharing_.shared.clear();
+    return {std::exchange(last_, std::move(by.last)), std::exchange(unsaved_, std::move(by.unsaved))};
+}
+
+}  // namespace imomushi

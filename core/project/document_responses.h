@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/document/document.h"
+#include "core/project/response_store.h"
+#include "core/project/stored_response.h"
+#include "core/reduction/congruence.h"
+#include "core/reduction/element_response.h"
+
+namespace imomushi {
+
+enum class ResponseState { None, Fresh, Stale };
+
+/// Of congruent elements only the first of the document is computed; the others take its response over, turned or
+/// mirrored. By the document alone, whatever is known already, so
+/// that a script gives the same bytes each time.
+struct SharedResponse {
+    PartId from = 0;
+    std::shared_ptr<const Congruence> how;
+};
+
+/// What an effect will cost on this machine: predicted before precompute.
+struct EffectCost {
+    int columns = 0;            ///< of A' that it adds, all elements together
+    std::size_t bytes = 0;      ///< that a frame reads for it
+    double milliseconds = 0.0;  ///< per frame
+    double seconds = 0.0;       ///< of the precompute that it waits for
+    bool precompute = false;    ///< an element must be precomputed for it first
+};
+
+/// Which responses the elements of a document ask for, which of them a store has, and what the others cost. Answers are remembered per element, until that
+/// element changes. Elements that are named must be in the document.
+class DocumentResponses {
+public:
+    /// `document` must outlive this.
+    DocumentResponses(const Document& document, std::shared_ptr<ResponseStore> store);
+
+    [[nodiscard]] ResponseStore& store() const { return *store_; }
+
+    // ---- what is asked for
+    /// What a precompute of this element takes as input.
+    [[nodiscard]] ResponseInput inputOf(PartId element) const;
+    /// The same on the solver mesh "draft".
+    [[nodiscard]] ResponseInput inputOfDraft(PartId element) const;
+    /// Threads of a precompute, by the settings.
+    [[nodiscard]] int threads() const;
+    [[nodiscard]] const ContentKey& keyOf(PartId element) const { return asked(element).key; }
+    /// The key without nu and what effects ask for: a response of the same shape still fits the element.
+    [[nodiscard]] const ContentKey& shapeOf(PartId element) const { return asked(element).shape; }
+    /// Null: the element is computed itself. Valid until the document changes.
+    [[nodiscard]] const SharedResponse* sharedOf(PartId element) const;
+
+    // ---- what is there
+    /// The response of the element as it is now, null: none.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> freshOf(PartId element) const;
+    /// The fresh one, or the last one of another nu while it still fits, or a draft. Null: none.
+    [[nodiscard]] std::shared_ptr<const ElementResponse> fittingOf(PartId element) const;
+    [[nodiscard]] ResponseState stateOf(PartId element) const;
+    /// It answers all that the element asks for: what freshOf() would give if nothing else were there.
+    [[nodiscard]] bool isFresh(PartId element, const StoredResponse& response) const;
+    /// The fitting one is a draft (inputOfDraft()), not what the element's settings ask for.
+    [[nodiscard]] bool isDraft(PartId element) const;
+
+    // ---- what it costs
+    /// Known already or not; where it is shared, without what it is shared from.
+    [[nodiscard]] ResponseEstimate estimateOf(PartId element) const;
+    /// What it costs to have an effect, on or off now.
+    [[nodiscard]] EffectCost costOf(EffectKind effect) const;
+
+    // ---- computing
+    /// The fresh response of an element with joint faces: known, taken over from a congruent element, or solved now. Errors: those of buildResponse().
+    Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
+    /// Solves those of the elements that are not known yet and are not taken over from others at once, as many as there are threads, where tetrahedra solve them and memory lets
+    /// them: what follows finds them fresh. Those that were; one that fails is left for compute() to tell.
+    std::set<PartId> computeTogether(std::span<const PartId> elements, const Progress& progress);
+    /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
+    void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
+    /// Takes in a response that came with an element from a project file, or a draft.
+    void bring(PartId element, const StoredResponse& response);
+
+    // ---- the project
+    /// Remembers the fresh responses as the last ones of their elements; forgets elements that are gone.
+    void refresh();
+    /// Forgets elements that are gone.
+    void dropGone();
+    /// The last response of each element, for its project file. Call refresh() before.
+    [[nodiscard]] const std::map<PartId, StoredResponse>& last() const { return last_; }
+    /// A response of an element was computed since the project was saved: work that would be lost.
+    [[nodiscard]] bool unsaved() const;
+    void markSaved();
+    /// What is remembered of a document besides what can be asked again.
+    struct Remembered {
+        std::map<PartId, StoredResponse> last;
+        std::set<ContentKey> unsaved;
+    };
+    /// Another document took the place of this one, with responses that the store has. Those of the one before.
+    Remembered replace(Remembered by);
+
+private:
+    /// What the document asks of the response of an element, besides the element itself.
+    struct Wish {
+        BasisChoice basis;
+        bool loads = false;
+        int touch = 0;
+        bool operator==(const Wish&) const = default;
+    };
+    /// What an element asks for, as of `element` and `wish`.
+    struct Asked {
+        std::shared_ptr<const Element> element;
+        Wish wish;
+        ContentKey key, shape;
+        std::vector<ContentKey> keys;                 ///< `key` first, then of others that may have all of it
+        std::vector<ContentKey> drafts;               ///< the same of inputOfDraft(); empty until they are asked for
+        std::optional<ContentKey> parts;              ///< of all that congruent elements have in common but coordinates
+        std::weak_ptr<const ElementResponse> fitting; ///< the last response that was found to fit
+    };
+    /// Who shares with whom, as of `elements`, `basis` and `effects`.
+    struct Sharing {
+        std::map<PartId, std::shared_ptr<const Element>> elements;
+        BasisChoice basis;
+        Effects effects;
+        std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
+        std::map<PartId, SharedResponse> shared;
+    };
+    [[nodiscard]] Wish wishOf(PartId element) const;
+    Asked& asked(PartId element) const;
+    /// What the store has of all that the element asks for, unchecked; without a response where it has nothing.
+    StoredResponse found(PartId element) const;
+    /// Under the first of answeringKeys() that has all that is asked for; `loads`: body loads too.
+    StoredResponse found(const Element& element, std::span<const ContentKey> keys, bool loads) const;
+    /// The store has all that `input` asks of the element.
+    bool has(PartId element, const ResponseInput& input) const;
+    const ContentKey& partsOf(PartId element) const;
+    /// Compares only elements that changed since the last time, with others and among each other.
+    void findShared() const;
+    /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
+    ResponseEstimate estimateOf(const ContentKey& key, const ResponseInput& input) const;
+    /// The response, where it fits the element: responses come from files too, and a key alone proves nothing about what a file holds under it.
+    std::shared_ptr<const ElementResponse> checked(std::shared_ptr<const ElementResponse> response, PartId element) const;
+
+    const Document& document_;
+    const std::shared_ptr<ResponseStore> store_;
+    std::map<PartId, StoredResponse> last_;     // held here, so that the store does not evict what the project file is to have
+    std::set<ContentKey> unsaved_;              // computed and in no project file yet
+    mutable std::map<PartId, Asked> asked_;
+    mutable Sharing sharing_;
+    mutable std::map<std::pair<ContentKey, int>, ResponseEstimate> estimates_;  // by key and threads
+};
+
+}  // namespace imomushi
