@@ -39,7 +39,7 @@ void Character::State::placeHandle(std::size_t h) {
     const auto& given = frame.input.handles[h];
     const auto& joint = frame.input.joints[static_cast<std::size_t>(given.joint)];
     const auto e = static_cast<std::size_t>(joint.faces[0].element);
-    const ElementFrame& element = frame.elements[e];
+    const ElementState& element = frame.elements[e];
     HandleFrame& handle = frame.handles[h];
     if (given.bone >= 0) {
         // The end of a bone has its own roll, of which the bone has the mean.
@@ -54,18 +54,18 @@ void Character::State::placeHandle(std::size_t h) {
         handle.carrierTurn = element.rotation;
         handle.carrier = element.frame;
     }
-    JointFrame& out = frame.joints[static_cast<std::size_t>(given.joint)];
-    out.turn = handle.pose.held ? handle.pose.turn : (handle.carrierTurn * handle.pose.turn).normalized();
+    JointState& out = frame.joints[static_cast<std::size_t>(given.joint)];
+    out.rotation = handle.pose.held ? handle.pose.rotation : (handle.carrierTurn * handle.pose.rotation).normalized();
     out.at = handle.pose.held ? handle.pose.at : handle.carrier(handle.pose.at);
-    out.rotation = out.turn.toRotationMatrix();
+    out.rotationMatrix = out.rotation.toRotationMatrix();
     out.stretch = 1.0;
 }
 
-void Character::State::fitElement(ElementFrame& element) const {
+void Character::State::fitElement(ElementState& element) const {
     if (element.fit) {
         for (std::size_t i = 0; i < element.handles.size(); ++i) {
             const auto& joint = frame.joints[static_cast<std::size_t>(frame.input.handles[static_cast<std::size_t>(element.handles[i])].joint)];
-            element.fit->set(i, joint.at, joint.turn);
+            element.fit->set(i, joint.at, joint.rotation);
         }
         element.fit->solve(element.rotation, element.frame.shift);
         element.frame.linear = element.rotation.toRotationMatrix();
@@ -73,11 +73,11 @@ void Character::State::fitElement(ElementFrame& element) const {
 }
 
 bool Character::setHandle(int handle, const HandlePose& pose) {
-    if (!allFinite(pose.at) || !allFinite(pose.turn.coeffs())) return false;
-    if (pose.at.cwiseAbs().maxCoeff() > kFarthest || pose.turn.coeffs().cwiseAbs().maxCoeff() > 2.0 || std::abs(pose.turn.norm() - 1.0) > kUnit) return false;
+    if (!allFinite(pose.at) || !allFinite(pose.rotation.coeffs())) return false;
+    if (pose.at.cwiseAbs().maxCoeff() > kFarthest || pose.rotation.coeffs().cwiseAbs().maxCoeff() > 2.0 || std::abs(pose.rotation.norm() - 1.0) > kUnit) return false;
     HandlePose& to = state_->frame.handles[static_cast<std::size_t>(handle)].pose;
     to = pose;
-    to.turn.normalize();
+    to.rotation.normalize();
     return true;
 }
 
@@ -102,7 +102,7 @@ const HandlePose& Character::handlePose(int handle) const { return state_->frame
 
 HandlePose Character::shownHandle(int handle) const {
     const auto& joint = state_->frame.joints[static_cast<std::size_t>(state_->frame.input.handles[static_cast<std::size_t>(handle)].joint)];
-    return {joint.map(joint.restPlace), joint.turn, true};
+    return {joint.map(joint.restPlace), joint.rotation, true};
 }
 
 Eigen::Isometry3d Character::handleCarrier(int handle) const {

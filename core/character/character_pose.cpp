@@ -123,20 +123,20 @@ void Character::State::placeJoint(std::size_t j) {
     Quaterniond rotation = mean.get();
     if (!out.led && given.point >= 0 && pose.roll[given.point] != 0.0 && out.restTangent != Vec3::Zero())
         rotation = Quaterniond(Eigen::AngleAxisd(pose.roll[given.point], rotation * out.restTangent)) * rotation;
-    out.turn = rotation.normalized();
-    out.rotation = out.turn.toRotationMatrix();
+    out.rotation = rotation.normalized();
+    out.rotationMatrix = out.rotation.toRotationMatrix();
     out.stretch = 1.0;
     out.pull = shifted && !frame.smooth ? out.contraction * outward / shifted : 0.0;
     if (out.pull != 0.0) out.stretch = out.warped && !out.fades ? freeStretch(out.pull, out.nu) : boundedStretch(out.pull);
 }
 
-void Character::State::mapJoint(JointFrame& joint) const {
+void Character::State::mapJoint(JointState& joint) const {
     if (frame.smooth || joint.handle) {
-        joint.map.linear = joint.rotation;
+        joint.map.linear = joint.rotationMatrix;
     } else {
         const Vec3& n = joint.restNormal;
         const Matrix3d across = n * n.transpose();
-        joint.map.linear = joint.rotation * (across + joint.stretch * (Matrix3d::Identity() - across));
+        joint.map.linear = joint.rotationMatrix * (across + joint.stretch * (Matrix3d::Identity() - across));
     }
     joint.map.shift = joint.at - joint.map.linear * joint.restPlace;
 }
@@ -181,11 +181,11 @@ void Character::State::weighEffects() {
     }
 }
 
-void Character::State::findMotions(ElementFrame& element) const {
+void Character::State::findMotions(ElementState& element) const {
     const Matrix3d toElement = element.frame.linear.transpose();
     for (std::size_t f = 0; f < element.watched.size(); ++f) {
         const auto& joint = frame.joints[static_cast<std::size_t>(element.jointOf[f])];
-        element.watched[f] = {toElement * joint.map.linear, toElement * (joint.map.shift - element.frame.shift), element.rotation.conjugate() * joint.turn};
+        element.watched[f] = {toElement * joint.map.linear, toElement * (joint.map.shift - element.frame.shift), element.rotation.conjugate() * joint.rotation};
     }
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 double* put(double* to, const double* from, Eigen::Index count) { return std::copy_n(from, count, to); }
 
-Eigen::Index dentNumbers(const ElementFrame& e) { return Dent::kNumbers * static_cast<Eigen::Index>(e.fingerDents.size()); }
+Eigen::Index dentNumbers(const ElementState& e) { return Dent::kNumbers * static_cast<Eigen::Index>(e.fingerDents.size()); }
 
 Vec3 mixed(const Vec3& a, const Vec3& b, double part) { return a + part * (b - a); }
 
@@ -52,7 +52,7 @@ void Character::shape(double* to) const {
         if (e.fades) *to++ = e.warpPart;
     }
     for (const auto& j : s.joints) {
-        to = put(to, j.turn.coeffs().data(), 4);
+        to = put(to, j.rotation.coeffs().data(), 4);
         to = put(to, j.map.linear.data(), 9);
         to = put(to, j.map.shift.data(), 3);
         *to++ = j.part;
@@ -91,7 +91,7 @@ void Character::show(const double* from) {
         if (e.fades) take(&e.warpPart, 1);
     }
     for (auto& j : s.joints) {
-        take(j.turn.coeffs().data(), 4);
+        take(j.rotation.coeffs().data(), 4);
         take(j.map.linear.data(), 9);
         take(j.map.shift.data(), 3);
         take(&j.part, 1);

@@ -19,7 +19,7 @@ struct Character::State {
     // The normal of a vertex on a seam is shared with a place on an edge of the other rim.
     struct SeamNormal {
         int element = 0, other = 0;
-        std::int32_t vertex = 0, from = 0, to = 0;  // those of rims: indices into ElementFrame::rim
+        std::int32_t vertex = 0, from = 0, to = 0;  // those of rims: indices into ElementState::rim
         std::int32_t own = 0;
         float part = 0.0f;  // of the way from `from` to `to`
     };
@@ -27,7 +27,7 @@ struct Character::State {
     struct Piece {
         int element = 0;
         std::size_t begin = 0, end = 0;
-        bool unseen = false;  // of blocks: no render mesh needs their vertices (ElementFrame::unseen)
+        bool unseen = false;  // of blocks: no render mesh needs their vertices (ElementState::unseen)
     };
 
     explicit State(CharacterInput given);
@@ -57,31 +57,31 @@ struct Character::State {
     void placeElement(std::size_t e);
     // The joints of handles, and elements that move with them (character_handles.cpp).
     void placeHandle(std::size_t h);
-    void fitElement(ElementFrame& element) const;
+    void fitElement(ElementState& element) const;
     void placeJoint(std::size_t j);
-    void mapJoint(JointFrame& joint) const;
+    void mapJoint(JointState& joint) const;
     // The joints of an element in its own frame, as coefficients of its bases.
     void findParameters(std::size_t e);
     // How much of automatic effects this pose calls for, by what the product would show; joints with it.
     void weighEffects();
     // Of its faces, into `watched`.
-    void findMotions(ElementFrame& element) const;
+    void findMotions(ElementState& element) const;
 
     // v -> vertices (character_surface.cpp).
-    void findMoved(ElementFrame& out);
-    void decideWork(ElementFrame& out);
-    static void showPositions(ElementFrame& out, std::size_t begin, std::size_t end);
+    void findMoved(ElementState& out);
+    void decideWork(ElementState& out);
+    static void showPositions(ElementState& out, std::size_t begin, std::size_t end);
     // Nothing presses yet, or what a shape that is shown again says.
-    void beginDents(ElementFrame& out) const;
+    void beginDents(ElementState& out) const;
     void placeDents();
-    void holdVertices(ElementFrame& out) const;
-    void holdNormals(ElementFrame& out) const;
+    void holdVertices(ElementState& out) const;
+    void holdNormals(ElementState& out) const;
     void closeSeams();
     // True: the normal changed.
     bool closeSeam(const SeamNormal& s);
 
     // Deformation by others (deform_input.cpp).
-    [[nodiscard]] bool canDeformExternally(const ElementFrame& e) const;
+    [[nodiscard]] bool canDeformExternally(const ElementState& e) const;
     void buildDeformInput();
     void fillDeformInput(std::size_t e);
     // Positions and normals of an element as of the last update().

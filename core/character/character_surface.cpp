@@ -14,7 +14,7 @@ constexpr double kSameShape = 1e-8;
 
 }  // namespace
 
-void Character::State::findMoved(ElementFrame& out) {
+void Character::State::findMoved(ElementState& out) {
     const auto& joints = frame.joints;
     const auto& runtime = *out.runtime;
     const bool warped = runtime.warp && out.warpPart > 0.0;
@@ -42,7 +42,7 @@ void Character::State::findMoved(ElementFrame& out) {
     out.moved = out.moved || !sameShape;
 }
 
-void Character::State::decideWork(ElementFrame& out) {
+void Character::State::decideWork(ElementState& out) {
     const auto& runtime = *out.runtime;
     const bool warped = runtime.warp && out.warpPart > 0.0, sameShape = out.sameShape;
     // Dents are added to `local`, unless they and what is under them stay as they are.
@@ -83,7 +83,7 @@ void Character::State::decideWork(ElementFrame& out) {
     frame.stats.evaluatedVertices += out.evaluatedVertices;
 }
 
-void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::size_t end) {
+void Character::State::showPositions(ElementState& out, std::size_t begin, std::size_t end) {
     if (out.work == VertexWork::None) return;
     if (out.work == VertexWork::Place)
         place(out.local.data(), out.blocks.first(), out.placement, begin, end, out.positions.data());
@@ -92,7 +92,7 @@ void Character::State::showPositions(ElementFrame& out, std::size_t begin, std::
                          out.work == VertexWork::EvaluateAndKeep ? out.local.data() : nullptr, out.positions.data());
 }
 
-void Character::State::beginDents(ElementFrame& out) const {
+void Character::State::beginDents(ElementState& out) const {
     if (!frame.replaying) {
         out.patchForces.setZero();
         std::fill(out.fingerDents.begin(), out.fingerDents.end(), Dent());
@@ -124,7 +124,7 @@ void Character::State::placeDents() {
     frame.dentMs = dentMs += milliseconds(start, std::chrono::steady_clock::now());
 }
 
-void Character::State::holdVertices(ElementFrame& out) const {
+void Character::State::holdVertices(ElementState& out) const {
     if (!out.moved || (out.pending && !out.unseen) || out.seenPending) return;
     const auto put = [&out](const HeldVertex& h, const Vec3& p) {
         for (int i = 0; i < 3; ++i) out.positions[3 * static_cast<std::size_t>(h.vertex) + i] = static_cast<float>(p[i]);
@@ -135,7 +135,7 @@ void Character::State::holdVertices(ElementFrame& out) const {
         for (const auto& h : out.held) put(h, frame.joints[h.joint].map(h.rest));
 }
 
-void Character::State::holdNormals(ElementFrame& out) const {
+void Character::State::holdNormals(ElementState& out) const {
     if (!out.moved || out.pending) return;
     for (const auto& h : out.runtime->hidden) {
         const Vec3 n = (frame.joints[out.jointOf[h.face]].map.linear * h.normal).normalized();

@@ -11,7 +11,7 @@ namespace imomushi {
 namespace {
 
 /// Embedded points: those that are a product, what joints add to them, and attached parts.
-void addEmbedded(const ElementFrame& from, DeformInput::Element& out) {
+void addEmbedded(const ElementState& from, DeformInput::Element& out) {
     const EmbeddedTables& tables = *from.runtime->embedded;
     const EmbeddedPoints& points = *from.runtime->input.embedded;
     const std::size_t count = tables.rows.size() - EmbeddedTables::kFrameVertices * tables.parts;  // the frames of parts are evaluated here
@@ -113,7 +113,7 @@ void Character::State::catchUp(std::size_t e) {
     frame.elements[e].seamsOpen = false;
 }
 
-bool Character::State::canDeformExternally(const ElementFrame& e) const {
+bool Character::State::canDeformExternally(const ElementState& e) const {
     // Where joints place vertices otherwise than v says, embedded points follow them here.
     const bool followsV = e.runtime->input.response && frame.input.basis != BasisKind::Paper;
     return (!e.runtime->warp || e.fades) && (!e.runtime->embedded || followsV) && frame.offsets.empty();

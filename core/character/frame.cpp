@@ -16,19 +16,19 @@ AffineFloat AffineMap::toFloat() const {
     return out;
 }
 
-Vec3 ElementFrame::localAt(std::int32_t vertex, const float* blocksOf) const {
+Vec3 ElementState::localAt(std::int32_t vertex, const float* blocksOf) const {
     const std::int32_t* first = blocks.first();
     const std::size_t block = static_cast<std::size_t>(std::upper_bound(first, first + blocks.count(), vertex) - first) - 1;
     const float* at = blocksOf + block * 3 * kVertexBlock + (vertex - first[block]);
     return runtime->middle + Vec3(at[0], at[kVertexBlock], at[2 * kVertexBlock]);
 }
 
-Vec3 Frame::heldAt(const ElementFrame& element, std::size_t i) const {
+Vec3 Frame::heldAt(const ElementState& element, std::size_t i) const {
     const auto& h = element.held[i];
     const auto& joint = joints[static_cast<std::size_t>(h.joint)];
     Vec3 p = joint.map(h.rest);
     if (smooth) p.noalias() += joint.warping * element.heldShapes.col(static_cast<Eigen::Index>(i));
-    if (!offsets.empty()) p += joint.turn * offsets[static_cast<std::size_t>(h.node)];
+    if (!offsets.empty()) p += joint.rotation * offsets[static_cast<std::size_t>(h.node)];
     return p;
 }
 

@@ -31,7 +31,7 @@ struct AffineMap {
     bool operator==(const AffineMap& o) const { return linear == o.linear && shift == o.shift; }
 };
 
-struct JointFrame {
+struct JointState {
     // Fixed by the character.
     Vec3 restPlace = Vec3::Zero();    // m
     Vec3 restNormal = Vec3::UnitZ();
@@ -44,12 +44,12 @@ struct JointFrame {
     bool handle = false;              // placed by a handle: it moves rigidly
 
     // Stage::Joints
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rest to world; its sign says which way a bend went round
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();    // the same
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // rest to world; its sign says which way a bend went round
+    Eigen::Matrix3d rotationMatrix = Eigen::Matrix3d::Identity();  // the same
     Vec3 at = Vec3::Zero();                                    // where restPlace is, m, world
     double stretch = 1.0;                                      // in its plane
     double pull = 0.0;                                         // what it follows from, relative
-    double warpPart = 1.0;                                     // where it is warped: of ElementFrame::warpPart the largest around it
+    double warpPart = 1.0;                                     // where it is warped: of ElementState::warpPart the largest around it
     // Stage::JointMaps; Stage::Equilibrium
     AffineMap map;
     Eigen::Matrix3Xd warping;  // with smooth joints: world, per scalar shape
@@ -80,7 +80,7 @@ struct RimNormal {
 /// What a frame does for the free vertices of an element: nothing; place what `local` has; evaluate the product; the same and keep it in `local`.
 enum class VertexWork { None, Place, Evaluate, EvaluateAndKeep };
 
-struct ElementFrame {
+struct ElementState {
     // Fixed by the character.
     std::shared_ptr<const ElementRuntime> runtime;
     double boneLength = 0.0;         // m, of its bones together
@@ -176,13 +176,13 @@ struct Frame {
     }
     void warn(FrameWarning warning) { warnings |= static_cast<unsigned>(warning); }
     /// Where its joint has the i-th held vertex, m, world.
-    [[nodiscard]] Vec3 heldAt(const ElementFrame& element, std::size_t i) const;
+    [[nodiscard]] Vec3 heldAt(const ElementState& element, std::size_t i) const;
     void setTime(std::string_view effect, double ms);
 
     const CharacterInput input;
     const BoneTree tree;
-    std::vector<JointFrame> joints;
-    std::vector<ElementFrame> elements;
+    std::vector<JointState> joints;
+    std::vector<ElementState> elements;
     std::vector<HandleFrame> handles;
     bool smooth = false;       // joints take their shape in Stage::Equilibrium, none from lateral contraction
     int warpingShapes = 0;     // per joint, with smooth joints

@@ -11,10 +11,10 @@ namespace imomushi {
 /// How a handle moves: a rigid motion, given by where the origin of its face's frame goes and how the face is turned.
 struct HandlePose {
     Vec3 at = Vec3::Zero();  ///< m
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< unit, from rest
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit, from rest
     /// True: in the world. False: relative to what carries it, the bones of its element or that on which it hangs; where nothing does, in the world.
     bool held = false;
-    bool operator==(const HandlePose& o) const { return at == o.at && turn.coeffs() == o.turn.coeffs() && held == o.held; }
+    bool operator==(const HandlePose& o) const { return at == o.at && turn.coeffs() == o.rotation.coeffs() && held == o.held; }
 };
 
 }  // namespace imomushi

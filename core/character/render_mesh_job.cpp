@@ -17,7 +17,7 @@ constexpr std::size_t kOfPiece = 1024;
 constexpr std::int32_t kRunsOfPiece = 8192;
 
 /// Where a vertex of an element is shown.
-Eigen::Map<Eigen::Vector3f> shownAt(ElementFrame& of, std::int32_t vertex) {
+Eigen::Map<Eigen::Vector3f> shownAt(ElementState& of, std::int32_t vertex) {
     return Eigen::Map<Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::ptrdiff_t>(vertex));
 }
 
@@ -52,7 +52,7 @@ void placeParts(const EmbeddedPoints& points, const EmbeddedTables& tables, cons
 }
 
 /// What a joint does to the part of an embedded point that is its own, beyond what the frame of the element does. product: how much of the point is a product.
-Eigen::Matrix3d jointPart(const Frame& frame, const ElementFrame& of, int face, double product) {
+Eigen::Matrix3d jointPart(const Frame& frame, const ElementState& of, int face, double product) {
     const Eigen::Matrix3d& linear = frame.joints[static_cast<std::size_t>(of.jointOf[static_cast<std::size_t>(face)])].map.linear;
     return linear - product * of.frame.linear;
 }
@@ -202,7 +202,7 @@ void RenderMeshJob::finish(Frame& frame, std::size_t element) {
         if (e.index == element) finish(e, frame);
 }
 
-void RenderMeshJob::findParts(const Element& e, const Frame& frame, ElementFrame& of) {
+void RenderMeshJob::findParts(const Element& e, const Frame& frame, ElementState& of) {
     if (of.parts.empty()) return;
     evaluateAndPlace(of.blocks.view(), of.blocks.weights(), of.placement, e.partBlocks, of.blocks.count(), nullptr, of.positions.data());
     addJointParts(e, frame, of, e.partJoints);
@@ -212,7 +212,7 @@ void RenderMeshJob::findParts(const Element& e, const Frame& frame, ElementFrame
     }
 }
 
-void RenderMeshJob::findDents(Element& e, const ElementFrame& of) {
+void RenderMeshJob::findDents(Element& e, const ElementState& of) {
     const auto vertices = static_cast<std::int32_t>(of.runtime->vertices);
     for (std::size_t k = 0; k < of.runtime->bodyBlocks; ++k) {
         const std::int32_t first = of.blocks.first()[k], count = std::min(kVertexBlock, vertices - first);
@@ -235,9 +235,9 @@ void RenderMeshJob::findMissing(Element& e, const Frame& frame) {
     }
 }
 
-double RenderMeshJob::productPart(const Element& e, const ElementFrame& of) { return e.carry == Carry::Bodies ? 1.0 - of.warpPart : 1.0; }
+double RenderMeshJob::productPart(const Element& e, const ElementState& of) { return e.carry == Carry::Bodies ? 1.0 - of.warpPart : 1.0; }
 
-void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementFrame& of, std::size_t first) {
+void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementState& of, std::size_t first) {
     int face = -1;
     Eigen::Matrix3f motion = Eigen::Matrix3f::Zero();
     for (const auto& part : std::span(e.tables->mapping.jointParts()).subspan(first)) {
@@ -249,7 +249,7 @@ void RenderMeshJob::addJointParts(const Element& e, const Frame& frame, ElementF
     }
 }
 
-void RenderMeshJob::placeAttached(const Element& e, ElementFrame& of) {
+void RenderMeshJob::placeAttached(const Element& e, ElementState& of) {
     const auto first = static_cast<std::int32_t>(e.tables->first);
     placeParts(*of.runtime->input.embedded, *e.tables, of.turns, [&of](std::size_t i) -> Vec3 { return shownAt(of, static_cast<std::int32_t>(i)).cast<double>(); },
                [&of, first](std::int32_t i, const Vec3& p) { shownAt(of, first + i) = p.cast<float>(); });
@@ -274,8 +274,8 @@ void RenderMeshJob::gather(Frame& frame) {
         const auto any = [&](const auto& is) {
             return std::any_of(mesh.tables->elements.begin(), mesh.tables->elements.end(), [&](std::int32_t e) { return is(frame.elements[static_cast<std::size_t>(e)]); });
         };
-        const bool moved = any([](const ElementFrame& of) { return of.moved; }), was = mesh.pending;
-        mesh.pending = any([](const ElementFrame& of) { return of.seenPending; });
+        const bool moved = any([](const ElementState& of) { return of.moved; }), was = mesh.pending;
+        mesh.pending = any([](const ElementState& of) { return of.seenPending; });
         // Morph targets are added to positions without them: all are made anew.
         mesh.all = mesh.others || (moved && (mesh.morphed || mesh.wasMorphed)) || (was && !mesh.pending);
         if (mesh.all || moved) ++mesh.revision;

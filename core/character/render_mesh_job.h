@@ -13,13 +13,13 @@
 
 namespace imomushi {
 
-struct ElementFrame;
+struct ElementState;
 
 /// The render meshes of a character: the last job of a frame. Embedded points of elements that are a product come with it (ResponseBlocks); those of
 /// elements that are more follow the surface here, and what a finger dents is carried to them. Joints add their part, attached parts are placed, and vertices are
 /// put into the order of the file, where morph targets move them (MorphTables).
 ///   reads   everything
-///   writes  ElementFrame::positions behind those of the body
+///   writes  ElementState::positions behind those of the body
 class RenderMeshJob final : public FrameJob {
 public:
     /// known: tables that may fit, of a character before.
@@ -55,7 +55,7 @@ private:
         Eigen::MatrixXd heldColumns;         // 3 #held x columns of v
         Eigen::VectorXd heldMoves;           // 3 #held, in the frame of the element
         Points missing;                      // #held x 3, m, world
-        std::vector<std::int32_t> heldOf;    // per EmbeddedMapping::heldParts(): in ElementFrame::held; none: v says all
+        std::vector<std::int32_t> heldOf;    // per EmbeddedMapping::heldParts(): in ElementState::held; none: v says all
     };
     struct Mesh {
         std::shared_ptr<const RenderMeshTables> tables;
@@ -76,16 +76,16 @@ private:
     // What comes after the product, and after what carries points.
     static void finish(Element& element, Frame& frame);
     // Where attached parts are, of an element that somebody else deforms.
-    static void findParts(const Element& element, const Frame& frame, ElementFrame& of);
-    // In double precision, as ElementFrame::positions; those of the body are left out.
+    static void findParts(const Element& element, const Frame& frame, ElementState& of);
+    // In double precision, as ElementState::positions; those of the body are left out.
     static Points elementPositions(const Frame& frame, const Element& element);
     // How much of its points is a product, besides what carries them.
-    static double productPart(const Element& element, const ElementFrame& of);
-    static void findDents(Element& element, const ElementFrame& of);
+    static double productPart(const Element& element, const ElementState& of);
+    static void findDents(Element& element, const ElementState& of);
     static Element madeFor(const Frame& frame, std::size_t index);
     static void findMissing(Element& element, const Frame& frame);
-    static void addJointParts(const Element& element, const Frame& frame, ElementFrame& of, std::size_t first = 0);
-    static void placeAttached(const Element& element, ElementFrame& of);
+    static void addJointParts(const Element& element, const Frame& frame, ElementState& of, std::size_t first = 0);
+    static void placeAttached(const Element& element, ElementState& of);
     void gather(Frame& frame);
     void gather(const Frame& frame, const Piece& runs);
     void findNormals(const Frame& frame, const Piece& normals);

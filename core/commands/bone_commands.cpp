@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
+#include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
-#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/joints/seam.h"
 #include "core/mesh/winding_number.h"
@@ -156,7 +156,7 @@ Result<Json> removeBone(DocumentEdit& edit, const Json& arguments, const Progres
             exchangePart(document.bones, id, [](Bone& changed) { changed.parent = 0; });
     }
     std::erase_if(document.goals, [&](const auto& held) { return held.first.bone == gone->id; });
-    letHandlesGo(document, gone->id);
+    releaseHandlesOf(document, gone->id);
     return Json::object();
 }
 

@@ -3,9 +3,9 @@
 #include "core/base/atomic_file.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/effect_commands.h"
+#include "core/commands/handle_commands.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
-#include "core/document/handle_commands.h"
 #include "core/document/names.h"
 #include "core/project/project_versions.h"
 
@@ -50,7 +50,7 @@ Json contents(const Session& session) {
     }
     for (const auto& [end, target] : document.goals) {
         held.push_back({{"endpoint", endpointText(document, end)}, {"pinned", target.pinned}, {"to", json(target.target)}});
-        if (target.turn) held.back()["orientation"] = true;
+        if (target.rotation) held.back()["orientation"] = true;
     }
     Json handles = Json::array();
     for (const auto& [id, element] : document.elements)

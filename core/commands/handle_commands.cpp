@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/document/handle_commands.h"
+#include "core/commands/handle_commands.h"
 
 #include <algorithm>
 
@@ -178,7 +178,7 @@ void renameHandle(Document& document, const FaceRef& face, const std::string& na
     }
 }
 
-void letHandlesGo(Document& document, PartId bone) {
+void releaseHandlesOf(Document& document, PartId bone) {
     std::vector<PartId> users;
     const auto hangs = [bone](const Handle& handle) { return handle.bone && handle.bone->bone == bone; };
     for (const auto& [id, element] : document.elements)
@@ -202,7 +202,7 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
         // Motions stay what they are; they are told by where the middle goes, which is another one now.
         const Vec3 step = made.frame.origin - face.frame.origin;
         if (const auto goal = document.handleGoals.find(handle); goal != document.handleGoals.end())
-            for (HandlePose* pose : {&goal->second.target, &goal->second.from}) pose->at += pose->turn * step;
+            for (HandlePose* pose : {&goal->second.target, &goal->second.from}) pose->at += pose->rotation * step;
         face = std::move(made);
     } else if (property == "bone") {
         if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
@@ -226,7 +226,7 @@ Result<Json> dragHandle(DocumentEdit& edit, const FaceRef& handle, const Json& a
     made.target.held = true;
     made.target.at = *vector3(arguments.at("to"));
     if (const Json* given = find(arguments, "rotation")) {
-        IMOMUSHI_TRY(made.target.turn, rotationFrom(*given, "rotation"));
+        IMOMUSHI_TRY(made.target.rotation, rotationFrom(*given, "rotation"));
     }
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestHandleGlide, made.seconds); !ok) return tl::unexpected(ok.error());
     made.from = shown;
@@ -241,14 +241,14 @@ Result<Json> showHandle(LiveCharacter& live, const FaceRef& handle) {
     live.hidePositions();
     Json answer;
     if (goal.seconds > 0.0) answer["seconds"] = goal.seconds;
-    IMOMUSHI_TRY(const auto settled, live.settle());
+    IMOMUSHI_TRY(const auto solved, live.converge());
     IMOMUSHI_TRY(const auto now, live.poseOf(handle));
     answer["position"] = json(now.at);
-    answer["rotation"] = json(now.turn);
+    answer["rotation"] = json(now.rotation);
     answer["distance"] = (now.at - goal.target.at).norm();
-    answer["settled"] = settled.settled && goal.seconds <= 0.0;
-    answer["ms"] = settled.milliseconds;
-    answer["warnings"] = live.warningTexts(settled.warnings);
+    answer["settled"] = solved.converged && goal.seconds <= 0.0;
+    answer["ms"] = solved.milliseconds;
+    answer["warnings"] = live.warningTexts(solved.warnings);
     return answer;
 }
 
@@ -295,7 +295,7 @@ void restHandles(Document& document) {
 }
 
 Json heldHandleJson(const FaceRef& handle, const HandleGoal& goal) {
-    return Json{{"endpoint", handle.face}, {"pinned", goal.pinned}, {"to", json(goal.target.at)}, {"rotation", json(goal.target.turn)}};
+    return Json{{"endpoint", handle.face}, {"pinned", goal.pinned}, {"to", json(goal.target.at)}, {"rotation", json(goal.target.rotation)}};
 }
 
 Json handleJson(const Document& document, const Element& element, const Handle& handle) {

@@ -299,11 +299,11 @@ void PartCopier::copyPins(const std::set<PartId>& wanted) {
         made.pinned = true;
         made.target = placing().point(goal.target);
         made.roll = goal.roll && placing().mirrors() ? std::optional(-*goal.roll) : goal.roll;
-        if (goal.turn) {
+        if (goal.rotation) {
             Eigen::Matrix3d way;  // orthogonal
             for (int i = 0; i < 3; ++i) way.col(i) = placing().point(Vec3::Unit(i)) - placing().point(Vec3::Zero());
-            const Eigen::Quaterniond turned(way * Eigen::Quaterniond(goal.turn->data()).toRotationMatrix() * way.transpose());
-            made.turn = std::array{turned.x(), turned.y(), turned.z(), turned.w()};
+            const Eigen::Quaterniond turned(way * Eigen::Quaterniond(goal.rotation->data()).toRotationMatrix() * way.transpose());
+            made.rotation = std::array{turned.x(), turned.y(), turned.z(), turned.w()};
         }
         here.goals.insert_or_assign(EndpointRef{idOf(end.bone), end.atEnd}, made);
     }
@@ -314,8 +314,8 @@ void PartCopier::copyPins(const std::set<PartId>& wanted) {
         made.pinned = made.target.held = true;
         made.target.at = placing().point(goal.target.at);
         // Axes of turns are seen in a mirror the other way round.
-        const Vec3 axis = (placing().mirrors() ? -1.0 : 1.0) * (placing().linear * goal.target.turn.vec());
-        made.target.turn = Eigen::Quaterniond(goal.target.turn.w(), axis.x(), axis.y(), axis.z());
+        const Vec3 axis = (placing().mirrors() ? -1.0 : 1.0) * (placing().linear * goal.target.rotation.vec());
+        made.target.rotation = Eigen::Quaterniond(goal.target.rotation.w(), axis.x(), axis.y(), axis.z());
         here.handleGoals.insert_or_assign(*copy, made);
     }
 }

@@ -31,13 +31,13 @@ struct Placing {
     [[nodiscard]] JointFace face(const JointFace& face) const;
 };
 
-/// Copies parts of a document, into itself or into another one, with all that they refer to among the parts that are copied. What the copies are named, and what becomes of the
-/// others, is asked of the owner.
+/// Copies parts of a document into itself or into another one. References among the copied parts point to the copies. Options say how copies are named; match() says what stands for
+/// a part that is not copied.
 class PartCopier {
 public:
     struct Options {
         Placing placing;
-        /// The name that the copy of a part called so is to have; a number makes it free. Null: the same.
+        /// The wanted name of a copy, from the name of the original; a number is added where it is taken. Null: the same name.
         std::function<std::string(const std::string&)> name;
         /// The last response of an element of `from`, null: it has none.
         std::function<const StoredResponse*(PartId)> response;
@@ -56,7 +56,7 @@ public:
     void copyJoints();
     void copyBones(const std::set<PartId>& bones);
 
-    /// A part or a face has a counterpart already, which takes the place of a copy.
+    /// A part or a face is not copied: `counterpart` stands for it.
     void match(PartId part, PartId counterpart) { ids_.insert_or_assign(part, counterpart); }
     void match(const FaceRef& face, const FaceRef& counterpart) { faces_.insert_or_assign(face, counterpart); }
 

@@ -8,9 +8,9 @@
 #include "core/base/finite.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
+#include "core/commands/handle_commands.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
-#include "core/document/handle_commands.h"
 #include "core/touch/touch_contact.h"
 
 namespace imomushi {
@@ -62,11 +62,11 @@ Result<Json> pin(DocumentEdit& edit, const Json& arguments, const Progress&) {
             taken.key() = shown.end;
             held = edit.document.goals.insert(std::move(taken)).position;
         }
-        held->second.turn.reset();
+        held->second.rotation.reset();
         const auto bone = static_cast<std::size_t>(shown.plan.boneIndex(held->first.bone));
         const auto& frames = edit.document.pose.frames;
         const Eigen::Quaterniond turn = bone < frames.size() ? frames[bone] : Eigen::Quaterniond::Identity();
-        if (orientation->get<bool>()) held->second.turn = std::array{turn.x(), turn.y(), turn.z(), turn.w()};
+        if (orientation->get<bool>()) held->second.rotation = std::array{turn.x(), turn.y(), turn.z(), turn.w()};
     }
     return Json::object();
 }
@@ -96,8 +96,8 @@ Result<Json> drag(DocumentEdit& edit, const Json& arguments, const Progress&) {
     if (const auto held = heldAt(document, shown.plan, shown.end); held != document.goals.end()) {
         made.pinned = held->second.pinned;
         if (!made.roll) made.roll = held->second.roll;
-        if (held->second.turn) {  // its bone keeps its direction, and the goal its place
-            made.turn = held->second.turn;
+        if (held->second.rotation) {  // its bone keeps its direction, and the goal its place
+            made.rotation = held->second.rotation;
             held->second = made;
             return Json::object();
         }
@@ -119,11 +119,11 @@ Result<Json> showDrag(LiveCharacter& live, const Json& arguments, Json) {
     if (document.effects.has(EffectKind::BoneDynamics))
         return Json{{"distance", (held.from - held.target).norm()}, {"position", json(held.from)}, {"settled", false}, {"warnings", texts(live.warningTexts(0))}};
 
-    IMOMUSHI_TRY(const auto settled, live.settle());
+    IMOMUSHI_TRY(const auto solved, live.converge());
     IMOMUSHI_TRY(const auto now, live.positionOf(end));
-    Json answer{{"distance", (now - held.target).norm()}, {"position", json(now)}, {"settled", settled.settled},
-                {"iterations", settled.iterations}, {"ms", settled.milliseconds},
-                {"warnings", texts(live.warningTexts(settled.warnings))}};
+    Json answer{{"distance", (now - held.target).norm()}, {"position", json(now)}, {"settled", solved.converged},
+                {"iterations", solved.iterations}, {"ms", solved.milliseconds},
+                {"warnings", texts(live.warningTexts(solved.warnings))}};
     return answer;
 }
 
@@ -138,7 +138,7 @@ Result<Json> release(DocumentEdit& edit, const Json& arguments, const Progress&)
         EndpointGoal pinned;
         pinned.pinned = true;
         pinned.target = position;
-        pinned.turn = held->second.turn;
+        pinned.rotation = held->second.rotation;
         held->second = pinned;
         return std::next(held);
     };
@@ -180,10 +180,10 @@ Result<Json> rest(DocumentEdit& edit, const Json&, const Progress&) {
     restHandles(document);
     std::erase_if(document.goals, [](const auto& held) { return !held.second.pinned; });
     for (auto& [end, held] : document.goals) {
-        const bool turned = held.turn.has_value();
+        const bool turned = held.rotation.has_value();
         held = {};
         held.pinned = true;
-        if (turned) held.turn = std::array{0.0, 0.0, 0.0, 1.0};
+        if (turned) held.rotation = std::array{0.0, 0.0, 0.0, 1.0};
         held.target = plan->input.skeleton.points[static_cast<std::size_t>(plan->pointIndex(end))];
     }
     return Json::object();

@@ -25,14 +25,14 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     made.lines = session.script();
     made.lines.erase(made.lines.begin());  // it says where the document came from
     assert(!made.lines.empty());
-    made.character = session.giveAwayCharacter();
+    made.character = session.releaseCharacter();
     return made;
 }
 
 std::shared_ptr<const BuiltCharacter> buildCharacter(const CommandRegistry& registry, Project project) {
     Session session(registry);
     SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
-    return session.giveAwayCharacter();
+    return session.releaseCharacter();
 }
 
 }  // namespace imomushi

@@ -5,9 +5,9 @@
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
 #include "core/commands/effect_commands.h"
+#include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
-#include "core/document/handle_commands.h"
 #include "core/document/material_preset.h"
 #include "core/document/names.h"
 

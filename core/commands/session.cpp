@@ -67,10 +67,10 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     // A command may run others (SessionAccess::execute()): what it has told so far is its own.
     struct Outer {
         Session& session;
-        Change told = std::exchange(session.told_, {});
+        Change told = std::exchange(session.pendingChange_, {});
         bool historyMoved = std::exchange(session.historyMoved_, false);
         ~Outer() {
-            session.told_ = std::move(told);
+            session.pendingChange_ = std::move(told);
             session.historyMoved_ = historyMoved;
         }
     } outer{*this};
@@ -100,13 +100,13 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
         return answer;
     }
     const bool posed = change.document.posing();
-    change.replaced = change.replaced || told_.replaced;
-    change.responses = told_.responses;
-    change.file = told_.file;
-    change.pose = told_.pose || posed || (what->changesDocument() && change.structure());
-    told_ = {};
+    change.replaced = change.replaced || pendingChange_.replaced;
+    change.responses = pendingChange_.responses;
+    change.file = pendingChange_.file;
+    change.pose = pendingChange_.pose || posed || (what->changesDocument() && change.structure());
+    pendingChange_ = {};
     const bool stepped = what->changesDocument() || historyMoved_;
-    if (stepped || change.structure() || change.responses) live_->stir(stepped);
+    if (stepped || change.structure() || change.responses) live_->wake(stepped);
     try {
         if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
         if (change.structure() || change.responses) responses_.refresh();
@@ -125,7 +125,7 @@ Result<Json> Session::perform(const Command& command, const Json& arguments, con
             answer = command.change(edit, arguments, progress);
             if (!answer) return answer;
             for (const auto& [element, response] : edit.brought()) responses_.bring(element, response);
-            told_.responses = !edit.brought().empty();
+            pendingChange_.responses = !edit.brought().empty();
             if (auto ok = live_->follow(before); !ok) return tl::unexpected(ok.error());
             if (command.pose) answer = command.pose(*live_, arguments, std::move(*answer));
         } else {
@@ -149,8 +149,8 @@ Json Session::takeOver(const PreparedStep& made) {
     change.document = difference(before, made.after);
     change.pose = true;
     history_.addStep(made.step, made.after, made.lines);
-    live_->lend(made.character);
-    live_->stir(true);
+    live_->reuse(made.character);
+    live_->wake(true);
     live_->followExchange(before);
     try {
         responses_.refresh();
@@ -162,7 +162,7 @@ Json Session::takeOver(const PreparedStep& made) {
 }
 
 void Session::takeBack(Document&& before) noexcept {
-    told_ = {};
+    pendingChange_ = {};
     const Document failed = history_.rollBack(std::move(before));
     responses_.dropGone();
     live_->takeBack(failed);
@@ -204,7 +204,7 @@ void Session::endGesture(Step named) {
 
 Document Session::dropGesture() noexcept {
     Document left = history_.cancelGesture();
-    live_->stir(true);
+    live_->wake(true);
     live_->followExchange(left);
     return left;
 }
@@ -225,8 +225,8 @@ Character* Session::character() {
 }
 
 Result<Character*> Session::builtCharacter() { return live_->built(); }
-std::shared_ptr<const BuiltCharacter> Session::giveAwayCharacter() { return live_->giveAway(); }
-void Session::lendCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->lend(std::move(built)); }
+std::shared_ptr<const BuiltCharacter> Session::releaseCharacter() { return live_->release(); }
+void Session::reuseCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->reuse(std::move(built)); }
 const CharacterPlan& Session::plan() const { return live_->plan(); }
 int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
@@ -281,7 +281,7 @@ SessionAccess::SessionAccess(Session& owner) : session(owner), live(*owner.live_
 Result<bool> SessionAccess::undo(int count) {
     if (session.history_.inGesture()) {
         session.dropGesture();
-        session.historyMoved_ = session.told_.pose = true;
+        session.historyMoved_ = session.pendingChange_.pose = true;
         return false;
     }
     const Document before = session.document();
@@ -323,13 +323,13 @@ void SessionAccess::replace(Project project, std::filesystem::path path, bool sa
     session.former_.emplace(std::exchange(session.history_, std::move(history)), responses.replace({std::move(project.responses), {}}));
     session.historyMoved_ = true;
     live.replace();
-    session.told_.replaced = session.told_.pose = session.told_.responses = session.told_.file = true;
+    session.pendingChange_.replaced = session.pendingChange_.pose = session.pendingChange_.responses = session.pendingChange_.file = true;
 }
 
 void SessionAccess::markSaved(const std::filesystem::path& path) {
     session.history_.markSaved(path);
     responses.markSaved();
-    session.told_.file = true;
+    session.pendingChange_.file = true;
 }
 
 }  // namespace imomushi

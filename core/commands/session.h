@@ -26,7 +26,7 @@ struct PoseFinding;
 struct PreparedStep;
 struct Project;
 
-/// A document that is being worked on, with its responses and its live character. execute() is the one door for change; all else asks, or lets time pass.
+/// A document that is being worked on, with its responses and its live character. Everything that changes the document goes through execute(). The other functions read, or advance time.
 class Session {
 public:
     /// `registry` must outlive the session. `store`: of responses, shared with other sessions; null: one of its own, in memory.
@@ -81,9 +81,9 @@ public:
     Character* character();
     /// Null: there are no elements and no bones. Errors: those of LiveCharacter::built().
     Result<Character*> builtCharacter();
-    /// See LiveCharacter::giveAway() and lend(): a character that another session built beside this one.
-    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAwayCharacter();
-    void lendCharacter(std::shared_ptr<const BuiltCharacter> built);
+    /// See LiveCharacter::release() and reuse(): a character that another session built beside this one.
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> releaseCharacter();
+    void reuseCharacter(std::shared_ptr<const BuiltCharacter> built);
     /// Of the character that was built last.
     [[nodiscard]] const CharacterPlan& plan() const;
     [[nodiscard]] int elementIndex(PartId element) const;        ///< in character(), -1: none
@@ -160,7 +160,7 @@ private:
         DocumentResponses::Remembered responses;
     };
     std::optional<Former> former_;
-    Change told_;  // by the command that runs, besides the parts of the document
+    Change pendingChange_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
     std::shared_ptr<const PreparedStep> prepared_;
 };

@@ -21,24 +21,24 @@ public:
     DocumentResponses& responses;
     const Services& services;
 
-    // ---- what a command did, for the listener
-    void changedPose() { session.told_.pose = true; }
-    void changedResponses() { session.told_.responses = true; }
+    // ---- what the listener is told when the command has ended
+    void changedPose() { session.pendingChange_.pose = true; }
+    void changedResponses() { session.pendingChange_.responses = true; }
 
     // ---- history
-    /// A line that belongs into the script without being a step.
+    /// Adds a line to the script that makes no undo step.
     void note(const Json& line) { session.history_.note(line); }
-    /// False: in a gesture it takes back that, which is no step. Errors: "nothing-to-undo".
+    /// Within a gesture it cancels the gesture instead, and returns false: no step was undone. Errors: "nothing-to-undo".
     Result<bool> undo(int count);
-    /// Ends a gesture. Errors: "nothing-to-redo".
+    /// Ends a gesture first. Errors: "nothing-to-redo".
     Result<bool> redo(int count);
-    /// Makes a take that was recorded a part of the document, as one step of its own, in the middle of a gesture too. `line`: the command, for the script.
+    /// Adds a recorded take to the document, as one step of its own even within a gesture. `line`: the command, for the script.
     std::shared_ptr<const Take> addTake(Take take, const Json& line);
-    /// Other commands as one step, which is a gesture: begin, execute(), end. A gesture that goes on ends first.
+    /// beginStep(), execute() and endStep() make several commands one undo step. They are a gesture; one that is open ends first.
     void beginStep() { session.beginGesture(); }
     Result<Json> execute(const Json& command, const Progress& progress) { return session.execute(command, progress); }
     void endStep(DocumentHistory::Step step);
-    /// Takes back what was executed since beginStep().
+    /// Undoes what was executed since beginStep().
     void cancelStep() noexcept { session.cancelGesture(); }
 
     // ---- file

@@ -67,7 +67,7 @@ const Handle* Element::handleOf(std::string_view face) const {
 HandlePose HandleGoal::now() const {
     if (!(elapsed < seconds)) return target;
     const double done = elapsed / seconds;
-    return {from.at + done * (target.at - from.at), from.turn.slerp(done, target.turn).normalized(), target.held};
+    return {from.at + done * (target.at - from.at), from.rotation.slerp(done, target.rotation).normalized(), target.held};
 }
 
 Eigen::Quaterniond TurnGoal::now() const { return elapsed < seconds ? from.slerp(elapsed / seconds, target).normalized() : target; }

@@ -111,7 +111,7 @@ struct EndpointGoal {
     Vec3 from = Vec3::Zero();        ///< glide: where it started,
     double seconds = 0.0;            ///<        how long it takes (0: at once),
     double elapsed = 0.0;            ///<        and how much of that has passed
-    std::optional<std::array<double, 4>> turn;  ///< its bone is held as turned from rest, too: a unit quaternion x y z w
+    std::optional<std::array<double, 4>> rotation;  ///< its bone is held as turned from rest, too: a unit quaternion x y z w
     bool operator==(const EndpointGoal&) const = default;
 };
 

@@ -274,7 +274,7 @@ void BoneSprings::addBend(const Bend& bend, const Vec3& t, double least, const V
     if (angle < 0.0) return;
     const Vec3 axis = sine > 1e-12 ? Vec3(tu / sine) : Vec3(Vec3::Zero());
     const auto& bone = skeleton_.bones[bend.child];
-    Vec3 turning = child.turn * (v[bone.end] - v[bone.start]);
+    Vec3 turning = child.rotation * (v[bone.end] - v[bone.start]);
     const Arm* parent = bend.parent < 0 ? nullptr : &arms_[bend.parent];
     if (parent) {
         const auto& p = skeleton_.bones[bend.parent];
@@ -283,7 +283,7 @@ void BoneSprings::addBend(const Bend& bend, const Vec3& t, double least, const V
     turning -= drift;
     turning -= u * u.dot(turning);
     const Vec3 torque = -(bend.spring.stiffness * angle * axis + bend.spring.damping * turning);
-    const Vec3 onChild = child.turn.transpose() * torque;
+    const Vec3 onChild = child.rotation.transpose() * torque;
     Vec3 onParent = Vec3::Zero();
     if (parent) onParent = -(parent->carries.transpose() * torque);
     for (int i = 0; i < bend.count; ++i) force[bend.point[i]] += bend.onChild[i] * onChild + bend.onParent[i] * onParent;
@@ -293,8 +293,8 @@ void BoneSprings::addBend(const Bend& bend, const Vec3& t, double least, const V
     const double acrossShare = sine > 1e-6 ? std::max(angle * t.dot(u) / sine, 0.0) : (t.dot(u) > 0.0 ? 1.0 : 0.0);
     const Matrix3d w = (bend.spring.stiffness * acrossShare + bend.spring.damping / seconds) * (eye - u * u.transpose()) +
                        bend.spring.stiffness * (1.0 - acrossShare) * axis * axis.transpose();
-    const Matrix3d wc = w * child.turn;
-    const Matrix3d cc = child.turn.transpose() * wc;
+    const Matrix3d wc = w * child.rotation;
+    const Matrix3d cc = child.rotation.transpose() * wc;
     Matrix3d pp = Matrix3d::Zero(), pc = pp;
     if (parent) {
         pp.noalias() = parent->carriesAbout.transpose() * (w * parent->carriesAbout);
@@ -317,7 +317,7 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
         Arm& arm = arms_[b];
         const Vec3& u = arm.direction;
         const Matrix3d c = cross(u);
-        arm.turn = c / arm.length;
+        arm.rotation = c / arm.length;
         const Vec3& from = targets.direction[b];
         const Vec3 across = from.cross(u);
         const double open = 1.0 + from.dot(u);

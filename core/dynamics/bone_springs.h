@@ -122,7 +122,7 @@ private:
         Vec3 direction;
         double length = 0.0;
         // Jacobians by the end's move minus the start's: of the bone's rotation vector, of that of what it carries, and the latter bounded.
-        Eigen::Matrix3d turn, carries, carriesAbout;
+        Eigen::Matrix3d rotation, carries, carriesAbout;
     };
     void arms(const std::vector<Vec3>& x, const BoneTargets& targets) const;
     mutable std::vector<Arm> arms_;

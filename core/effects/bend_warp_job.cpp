@@ -68,7 +68,7 @@ private:
         std::vector<char> sameTree;        // per face: a bone of its own tree carries the joint, and signs of rotations agree
         Eigen::VectorXd warping;           // what smooth joints add to motions, see BendWarp::evaluate()
         Points held;                       // of warp.heldVertices()
-        std::vector<std::size_t> heldOf;   // where they are in ElementFrame::held
+        std::vector<std::size_t> heldOf;   // where they are in ElementState::held
         AlignedBuffer<float> loaded;       // with body loads: local positions under these alone; where the warp fades, then those of the product
         bool working = false;               // in this frame
         double warpMs = 0.0, loadMs = 0.0;  // of the last run
@@ -132,7 +132,7 @@ private:
             auto& motion = w.motions[f];
             motion.linear = toElement * joint.map.linear;
             motion.shift = toElement * (joint.map.shift - out.frame.shift);
-            motion.rotation = out.rotation.conjugate() * joint.turn;
+            motion.rotation = out.rotation.conjugate() * joint.rotation;
             if (!w.sameTree[f] && motion.rotation.w() < 0.0) motion.rotation.coeffs() = -motion.rotation.coeffs();
             if (const int modes = response.bases[f].modes; frame.smooth && modes > 0) {
                 const int first = response.firstColumn[f] + response.bases[f].plainColumns();

@@ -13,7 +13,7 @@
 
 namespace imomushi {
 
-struct ElementFrame;
+struct ElementState;
 
 /// Gravity and inertia: a uniform body force, three columns after v.
 struct GravityEffect : EffectOf<GravityEffect> {
@@ -73,8 +73,8 @@ struct InflateEffect : EffectOf<InflateEffect> {
 
 /// The weights of body loads: force per volume and pressure in the frame of each element, and what they put on its joints. One job for both effects, which
 /// share a bound: loads are linear, and deform no element by more than kMaxLoaded of its size, approached smoothly.
-///   reads   ElementFrame::frame, rotation, aloft
-///   writes  ElementFrame::withLoads after v, jointForces (with smooth joints)
+///   reads   ElementState::frame, rotation, aloft
+///   writes  ElementState::withLoads after v, jointForces (with smooth joints)
 ///   warns   LoadsBounded
 class BodyLoadsJob final : public FrameJob {
 public:

@@ -15,14 +15,14 @@ namespace {
 // The bend warp moves no vertex farther out of the ball around a body than this part of its size.
 constexpr double kBent = 0.25;
 
-bool isBent(const ElementFrame& of) { return of.runtime->warp && of.warpPart > 0.0; }
+bool isBent(const ElementState& of) { return of.runtime->warp && of.warpPart > 0.0; }
 
 }  // namespace
 
 void ContactEffect::ask(ElementTables& tables) const { tables.touch = tables.contact = true; }
 
 Result<void> ContactEffect::addJob(Frame& frame, FrameJobs& jobs) const {
-    const bool any = std::any_of(frame.elements.begin(), frame.elements.end(), [](const ElementFrame& e) { return e.runtime->contact != nullptr; });
+    const bool any = std::any_of(frame.elements.begin(), frame.elements.end(), [](const ElementState& e) { return e.runtime->contact != nullptr; });
     if (any) jobs.add<ContactJob>(frame, *this);
     if (automatic && met) jobs.add<MeetingJob>(frame, any, met);
     return {};
@@ -33,7 +33,7 @@ class ContactJob::Posed final : public FleshContact::Posed {
 public:
     Posed(const Frame& frame, const std::vector<Body>& bodies) : frame_(frame), bodies_(bodies) {}
     [[nodiscard]] Vec3 at(std::size_t body, std::int32_t vertex) const override {
-        const ElementFrame& of = frame_.elements[bodies_[body].element];
+        const ElementState& of = frame_.elements[bodies_[body].element];
         const std::int32_t held = bodies_[body].held[static_cast<std::size_t>(vertex)];
         return held < 0 ? of.frame(of.localAt(vertex, of.local.data())) : frame_.heldAt(of, static_cast<std::size_t>(held));
     }

@@ -12,7 +12,7 @@
 
 namespace imomushi {
 
-struct ElementFrame;
+struct ElementState;
 
 /// Elements press on each other and on themselves (core/touch/flesh_contact.h).
 struct ContactEffect : EffectOf<ContactEffect> {
@@ -21,10 +21,10 @@ struct ContactEffect : EffectOf<ContactEffect> {
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Elements press dents into each other where they meet, instead of passing through. With the ground, into them, too.");
     double patches = 48.0;  ///< of the surface of each element, on which others press: columns of its response, those of touch
     double friction = 0.5;
-    /// The plane of the effect on bones that holds them, which holds flesh, too, and its friction. None: there is no such plane.
+    /// The plane of the effect "ground", which flesh presses against as well, and its friction. None: there is no ground.
     std::optional<Plane> ground;
     double groundFriction = 0.6;
-    /// Automatic: each update leaves here the elements that came near others and cannot press yet, ascending (MeetingJob). Null: nobody asks.
+    /// Automatic: each update writes here the elements that came near others and have no patches yet, ascending (MeetingJob). Null: nobody wants to know.
     std::shared_ptr<std::vector<std::size_t>> met;
 
     static constexpr auto properties() {
@@ -39,15 +39,15 @@ struct ContactEffect : EffectOf<ContactEffect> {
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 
-/// Contact of flesh with flesh, by the surfaces that the pose alone leaves. Nothing is evaluated for it while nothing is near, or what meets has settled and stays.
-///   reads   ElementFrame::frame, v, moved, local; Frame::seconds, stopped
-///   writes  ElementFrame::wantsLocal, patchForces
+/// Contact of flesh with flesh. It works on the surfaces that the pose alone gives, before dents. It costs nothing while no bodies are near, or while bodies in contact are at rest.
+///   reads   ElementState::frame, v, moved, local; Frame::seconds, stopped
+///   writes  ElementState::wantsLocal, patchForces
 class ContactJob final : public EffectJob<ContactEffect> {
 public:
     ContactJob(Frame& frame, const ContactEffect& settings);
 
     void run(Stage stage, Frame& frame) override;
-    [[nodiscard]] bool resting(const Frame&) const override { return !presses_ || contact_.settled(); }
+    [[nodiscard]] bool resting(const Frame&) const override { return !presses_ || contact_.converged(); }
     [[nodiscard]] std::size_t bytes() const override { return contact_.bytes(); }
     void report(Frame& frame, double ms) const override;
     [[nodiscard]] const FleshContact& contact() const { return contact_; }
@@ -60,7 +60,7 @@ private:
         Eigen::VectorXf weights;         // of the frame
         Eigen::VectorXf moved;           // 3 P
         double bound = 0.0;              // m: no vertex is displaced by more
-        std::vector<std::int32_t> held;  // per body vertex, its place in ElementFrame::held; -1: it is free
+        std::vector<std::int32_t> held;  // per body vertex, its place in ElementState::held; -1: it is free
     };
     class Posed;
     static std::vector<Body> bodiesOf(const Frame& frame, const ContactEffect& settings);

@@ -15,7 +15,7 @@ namespace {
 constexpr double kNear = 0.1;
 
 /// What moves a place of an element at rest: nearest of the ends of its nearest bone, or of its joints.
-FleshPoint moverOf(const CharacterInput& input, const ElementFrame& element, std::size_t index, const Vec3& rest) {
+FleshPoint moverOf(const CharacterInput& input, const ElementState& element, std::size_t index, const Vec3& rest) {
     FleshPoint out;
     double nearest = std::numeric_limits<double>::infinity();
     const Skeleton& skeleton = input.skeleton;
@@ -119,7 +119,7 @@ void GroundJob::run(Stage, Frame& frame) {
 }
 
 void GroundJob::measure(Element& element, double& depth, Frame& frame) {
-    ElementFrame& of = frame.elements[element.index];
+    ElementState& of = frame.elements[element.index];
     const ElementRuntime& runtime = *of.runtime;
     const bool warped = runtime.warp && of.warpPart > 0.0;
     // Far above, all of it is. How far a warped one reaches nobody knows before.

@@ -14,7 +14,7 @@
 
 namespace imomushi {
 
-struct ElementFrame;
+struct ElementState;
 
 /// A plane below which nothing goes. Bones keep above it (core/live/performance.h), as far as the flesh around them asks.
 struct GroundEffect : EffectOf<GroundEffect> {
@@ -39,8 +39,8 @@ struct GroundEffect : EffectOf<GroundEffect> {
 /// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
 /// element is bent. They are where pose, loads and bend warp have them, without dents, which are what the ground makes of them. Evaluated here whoever deforms the
 /// element. Where it is warped or dented, which is done here alone and as no sample foresees, its depth is that of all its vertices as they are shown.
-///   reads   ElementFrame::frame, v, local, dented, positions; JointFrame::map
-///   writes  ElementFrame::aloft, Frame::up, for the next frame
+///   reads   ElementState::frame, v, local, dented, positions; JointState::map
+///   writes  ElementState::aloft, Frame::up, for the next frame
 class GroundJob final : public EffectJob<GroundEffect> {
 public:
     GroundJob(const Frame& frame, const GroundEffect& settings);
@@ -57,7 +57,7 @@ public:
 private:
     struct Chosen {
         std::int32_t vertex = 0;
-        int held = -1;          // its place in ElementFrame::held; -1: it is free
+        int held = -1;          // its place in ElementState::held; -1: it is free
         Eigen::Index row = 0;   // of a free one, in Element::rows
         Vec3 rest = Vec3::Zero();
         std::size_t flesh = 0;  // its place in flesh_

@@ -247,19 +247,19 @@ private:
         return taken;
     }
 
-    static void move(JigglingJoint& joint, const Frame& frame, JointFrame& out) {
-        Place place{out.rotation, out.at, out.stretch};
+    static void move(JigglingJoint& joint, const Frame& frame, JointState& out) {
+        Place place{out.rotationMatrix, out.at, out.stretch};
         if (frame.stopped) joint.reset(place);
         joint.step(frame.seconds, place);
-        if (!(place.rotation == out.rotation)) {
+        if (!(place.rotation == out.rotationMatrix)) {
             const Eigen::Quaterniond moved(place.rotation);
-            out.turn = moved.dot(out.turn) < 0.0 ? Eigen::Quaterniond(-moved.coeffs()) : moved;
+            out.rotation = moved.dot(out.rotation) < 0.0 ? Eigen::Quaterniond(-moved.coeffs()) : moved;
         }
-        out.rotation = place.rotation;
+        out.rotationMatrix = place.rotation;
         out.at = place.at;
     }
 
-    static void stretch(const JigglingJoint& joint, JointFrame& out) {
+    static void stretch(const JigglingJoint& joint, JointState& out) {
         out.map.linear = out.map.linear * joint.inPlane();
         out.map.shift = out.at - out.map.linear * out.restPlace;
     }

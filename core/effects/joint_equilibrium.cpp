@@ -52,7 +52,7 @@ struct JointEquilibrium::State {
         int first = 0, count = 0;  // columns of the response
         MatrixXd spread;           // count x 3 (2 + #shapes): v of the face from the table, turned into its axes
         MatrixXd pull;             // 3 (2 + #shapes) x columns: mu spread^T K
-        Matrix3d turn = Matrix3d::Identity();  // from the joint's axes to those of the face as the element moves
+        Matrix3d rotation = Matrix3d::Identity();  // from the joint's axes to those of the face as the element moves
         VectorXd force;            // on the table
     };
     struct Element {
@@ -217,15 +217,15 @@ struct JointEquilibrium::State {
     // ---- per frame
     void turnFaces(Element& element, const Matrix3d& rotation) {
         for (auto& f : element.faces) {
-            f.turn.noalias() = f.axes.transpose() * (rotation.transpose() * (joints[f.joint].rotation * f.axes));
+            f.rotation.noalias() = f.axes.transpose() * (rotation.transpose() * (joints[f.joint].rotation * f.axes));
             if (f.untwist) {
-                const double twist = std::atan2(f.turn(1, 0) - f.turn(0, 1), f.turn(0, 0) + f.turn(1, 1));
+                const double twist = std::atan2(f.rotation(1, 0) - f.rotation(0, 1), f.rotation(0, 0) + f.rotation(1, 1));
                 const double c = std::cos(twist), s = std::sin(twist);
-                const Vec3 x = c * f.turn.col(0) - s * f.turn.col(1), y = s * f.turn.col(0) + c * f.turn.col(1);
-                f.turn.col(0) = x;
-                f.turn.col(1) = y;
+                const Vec3 x = c * f.rotation.col(0) - s * f.rotation.col(1), y = s * f.rotation.col(0) + c * f.rotation.col(1);
+                f.rotation.col(0) = x;
+                f.rotation.col(1) = y;
             }
-            f.turn = (f.turn * f.fromJoint).eval();
+            f.rotation = (f.rotation * f.fromJoint).eval();
         }
     }
 
@@ -235,7 +235,7 @@ struct JointEquilibrium::State {
             if (element.loaded) f.force.noalias() += f.spread.transpose() * element.extra.segment(f.first, f.count);
             auto& r = right[f.joint];
             for (int a = 0; a < scalars; ++a) {
-                const Vec3 t = f.turn.transpose() * f.force.segment<3>(3 * a);
+                const Vec3 t = f.rotation.transpose() * f.force.segment<3>(3 * a);
                 for (int d = 0; d < 3; ++d)
                     for (const auto& [to, share] : terms[static_cast<std::size_t>(3 * a + d)]) r[to] -= share * t[d];
             }
@@ -249,7 +249,7 @@ struct JointEquilibrium::State {
         for (int b = 0; b < scalars; ++b)
             for (int a = 0; a < scalars; ++a) {
                 Matrix3d block;
-                block.noalias() = f.turn.transpose() * (between.block<3, 3>(3 * a, 3 * b) * g.turn).eval();
+                block.noalias() = f.rotation.transpose() * (between.block<3, 3>(3 * a, 3 * b) * g.rotation).eval();
                 for (int q = 0; q < 3; ++q)
                     for (const auto& [column, columnShare] : terms[static_cast<std::size_t>(3 * b + q)])
                         for (int p = 0; p < 3; ++p)
@@ -291,7 +291,7 @@ struct JointEquilibrium::State {
             element.v = element.rigid;
             for (auto& f : element.faces) {
                 const auto& table = joints[f.joint].table;
-                for (int a = 0; a < scalars; ++a) f.force.segment<3>(3 * a).noalias() = f.turn * table.col(a);
+                for (int a = 0; a < scalars; ++a) f.force.segment<3>(3 * a).noalias() = f.rotation * table.col(a);
                 element.v.segment(f.first, f.count).noalias() += f.spread * f.force;
             }
         }

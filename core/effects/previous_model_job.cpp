@@ -157,7 +157,7 @@ bool PreviousModelJob::take(const PreviousModelEffect& asked) {
 }
 
 void PreviousModelJob::run(Stage, Frame& frame) {
-    for (std::size_t j = 0; j < rotation_.size(); ++j) rotation_[j] = frame.joints[j].turn.toRotationMatrix();
+    for (std::size_t j = 0; j < rotation_.size(); ++j) rotation_[j] = frame.joints[j].rotation.toRotationMatrix();
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         if (elements_[e].held.empty()) continue;
         elements_[e].rotation = frame.elements[e].frame.linear;

@@ -34,7 +34,7 @@ public:
     void run(Stage, Frame& frame) override {
         auto& joints = frame.joints;
         auto& elements = frame.elements;
-        for (std::size_t j = 0; j < joints.size(); ++j) equilibrium_.setJoint(static_cast<int>(j), joints[j].rotation);
+        for (std::size_t j = 0; j < joints.size(); ++j) equilibrium_.setJoint(static_cast<int>(j), joints[j].rotationMatrix);
         for (std::size_t e = 0; e < elements.size(); ++e)
             if (elements[e].runtime->input.response)
                 equilibrium_.setElement(static_cast<int>(e), elements[e].frame.linear, elements[e].v,
@@ -46,9 +46,9 @@ public:
             out.part = !out.warped ? 1.0 : out.fades ? 1.0 + out.warpPart * (shownPart(frame, j) - 1.0) : shownPart(frame, j);
             Matrix3d stretch = equilibrium_.stretch(static_cast<int>(j));
             if (out.warped) stretch = (Matrix3d::Identity() + out.part * (stretch - Matrix3d::Identity())).eval();
-            out.map.linear = out.rotation * stretch;
+            out.map.linear = out.rotationMatrix * stretch;
             out.map.shift = at - out.map.linear * out.restPlace;
-            out.warping.noalias() = out.rotation * equilibrium_.warping(static_cast<int>(j));
+            out.warping.noalias() = out.rotationMatrix * equilibrium_.warping(static_cast<int>(j));
             if (out.warped) out.warping *= out.part;
         }
         for (std::size_t e = 0; e < elements.size(); ++e)
@@ -62,7 +62,7 @@ private:
     static double shownPart(const Frame& frame, std::size_t j) {
         double angle = 0.0;
         for (const auto& f : frame.input.joints[j].faces)
-            angle = std::max(angle, frame.joints[j].turn.angularDistance(frame.elements[static_cast<std::size_t>(f.element)].rotation));
+            angle = std::max(angle, frame.joints[j].rotation.angularDistance(frame.elements[static_cast<std::size_t>(f.element)].rotation));
         const double part = 1.0 - std::min(1.0, angle * angle / (kFadedAngle * kFadedAngle));
         return part * part;
     }

@@ -74,7 +74,7 @@ void TouchJob::aimFingers(Element& touched, const Frame& frame) {
     if (frame.seconds > 0.0 || frame.again)
         touched.contact.step(frame.seconds);
     else
-        touched.contact.settle();
+        touched.contact.converge();
 }
 
 bool TouchJob::setFinger(int element, int finger, const Vec3& rest, const Vec3& target, double radius) {

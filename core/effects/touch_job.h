@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-struct ElementFrame;
+struct ElementState;
 
 /// Fingers press dents into elements (core/touch/touch_contact.h).
 struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
@@ -40,8 +40,8 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
 };
 
 /// Contact of fingers with the surfaces that the pose alone leaves.
-///   reads   ElementFrame::frame, local
-///   writes  ElementFrame::wantsLocal, patchForces
+///   reads   ElementState::frame, local
+///   writes  ElementState::wantsLocal, patchForces
 class TouchJob final : public EffectJob<TouchEffect> {
 public:
     /// Errors: "bad-value" (settings).

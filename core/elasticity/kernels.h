@@ -59,8 +59,8 @@ class TriangleBatch {
 public:
     static constexpr std::size_t kPad = 8;  ///< lanes of the widest vector used
 
-    /// What a batch adds to: per triangle of it the block columns of its corners, of its edge bubbles (or empty: none), and those that G of its corners
-    /// adds to (or empty). What is not wanted, or does not exist, names a column that nobody reads.
+    /// Where the integrals of each triangle are added: block columns of its corners, of its edge bubbles (empty: no bubbles), and of the tractions at its corners (empty: no tractions).
+    /// A column that nobody reads takes what is not wanted.
     struct Columns {
         std::vector<std::array<std::int32_t, 3>> corner, bubble, traction;
     };

@@ -87,7 +87,7 @@ LoadMotion loadMotionOf(const CharacterInput::Element& element, const std::vecto
     }
     if (!(sum > 0.0)) return LoadMotion{};
     out.middle /= sum;
-    out.shift = out.turn = Eigen::Matrix3Xd::Zero(3, all);
+    out.shift = out.rotation = Eigen::Matrix3Xd::Zero(3, all);
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
     for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3 d = rest.row(r.freeVertices[static_cast<std::size_t>(i)]).transpose() - out.middle;
@@ -102,10 +102,10 @@ LoadMotion loadMotionOf(const CharacterInput::Element& element, const std::vecto
             turned += mass[i] * d.cross(u);
         }
         out.shift.col(c) = moved / sum;
-        out.turn.col(c) = turned;
+        out.rotation.col(c) = turned;
     }
     inertia.diagonal().array() += 1e-12 * std::max(inertia.trace(), 1e-300);
-    out.turn = inertia.ldlt().solve(out.turn).eval();
+    out.rotation = inertia.ldlt().solve(out.rotation).eval();
     return out;
 }
 
@@ -272,7 +272,7 @@ Result<FittedSkin> fitSkin(Motion& motion, const ExportScene& scene, const Progr
         for (std::size_t e = 0; e < elements; ++e) {
             if (loadJoint[e] < 0) continue;
             const Eigen::Map<const Eigen::VectorXd> weights(shape + layout.element(e) + ShapeLayout::kFrame, loadMotions[e].shift.cols());
-            const Vec3 turn = loadMotions[e].turn * weights, place = loadMotions[e].middle + loadMotions[e].shift * weights;
+            const Vec3 turn = loadMotions[e].rotation * weights, place = loadMotions[e].middle + loadMotions[e].shift * weights;
             const double angle = turn.norm();
             const Eigen::Quaterniond rotation(angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle) : Eigen::AngleAxisd::Identity());
             out.push_back(out[e] * isometry(rotation, loadMotions[e].middle, place));

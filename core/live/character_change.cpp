@@ -44,7 +44,7 @@ bool followSkeleton(Document& document, const CharacterPlan* was, const Characte
         const Vec3& now = is.input.skeleton.points[static_cast<std::size_t>(is.pointIndex(end))];
         const int old = was ? was->pointIndex(end) : -1;
         if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
-        pulled = pulled || held.target != now || held.roll || held.turn;
+        pulled = pulled || held.target != now || held.roll || held.rotation;
     }
     return pulled;
 }

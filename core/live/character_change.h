@@ -6,11 +6,11 @@
 
 namespace imomushi {
 
-/// Whether the live character is made of other things than before. False: it goes on, with other numbers for its effects at most.
+/// Whether the live character must be built again. False: it stays; only numbers of its effects may have changed.
 bool changesCharacter(const DocumentChange& change, const Document& after);
 
-/// Brings targets and pose of a document along when its joint points have changed: another skeleton begins from its rest pose, pins at rest go where the rest
-/// pose is now, and what held endpoints that are gone is let go. `was`: null where the document before had no plan. True: something pulls the rest pose away.
+/// Adapts targets and pose of a document after its joint points have changed: a new skeleton starts in its rest pose, pins at rest move to the new rest pose, and targets of endpoints
+/// that no longer exist are removed. `was`: null where the document before had no plan. Returns true if some target pulls away from the rest pose.
 bool followSkeleton(Document& document, const CharacterPlan* was, const CharacterPlan& is);
 
 }  // namespace imomushi

@@ -19,7 +19,7 @@ namespace imomushi {
 namespace {
 
 /// A static pose counts as found after this many steps of inverse kinematics at the latest: about a tenth of a second for a large character.
-constexpr int kSettleSteps = 200;
+constexpr int kMostSolves = 200;
 /// A pose that is shown without frames is lifted out of the ground in this many rounds at most, each of which leaves less than half of what was below.
 constexpr int kLiftRounds = 8;
 /// The same in a frame, where flesh came deep into the ground.
@@ -72,7 +72,7 @@ Result<Character*> LiveCharacter::built() {
     return character_ ? &*character_ : nullptr;
 }
 
-std::shared_ptr<const BuiltCharacter> LiveCharacter::giveAway() {
+std::shared_ptr<const BuiltCharacter> LiveCharacter::release() {
     const auto alive = built();
     if (!alive || !*alive) return nullptr;
     valid_ = false;
@@ -108,7 +108,7 @@ Result<void> LiveCharacter::build() {
         asking.met = std::make_shared<std::vector<std::size_t>>();
         plan_.input.effects.set(std::move(asking));
     }
-    const std::shared_ptr<const BuiltCharacter> lent = std::exchange(lent_, nullptr);
+    const std::shared_ptr<const BuiltCharacter> lent = std::exchange(reusable_, nullptr);
     if (lent) embeddedModels_ = lent->models;
     addRenderMeshes(plan_, document(), embeddedModels_);
     responses_.refresh();
@@ -126,7 +126,7 @@ Result<void> LiveCharacter::build() {
     character_ = std::move(*made);
     character_->keepExact(recording_.has_value());
     dropForeignPose();
-    poseSettled_ = false;
+    poseConverged_ = false;
     if (auto ok = prepare(); !ok) return ok;
     showPose();
     return {};
@@ -193,7 +193,7 @@ Result<HandlePose> LiveCharacter::carried(const FaceRef& handle, const HandlePos
     if (!character_ || index < 0) return fail("no-such-handle", "The handle \"" + handle.face + "\" is not there.");
     const Eigen::Isometry3d carrier = character_->handleCarrier(index);
     const Eigen::Quaterniond turn(carrier.linear());
-    return HandlePose{carrier.inverse() * world.at, (turn.conjugate() * world.turn).normalized(), false};
+    return HandlePose{carrier.inverse() * world.at, (turn.conjugate() * world.rotation).normalized(), false};
 }
 
 Points LiveCharacter::positionsOf(PartId element) {
@@ -223,32 +223,32 @@ void LiveCharacter::collectGoals() {
         goal.target = done < 1.0 ? Vec3(held.from + done * (held.target - held.from)) : held.target;
         goal.pinned = held.pinned;
         goal.hasRoll = held.roll.has_value();
-        if (held.turn) {
+        if (held.rotation) {
             goal.heldBone = plan_.boneIndex(end.bone);
-            goal.turn = Eigen::Quaterniond(held.turn->data());
+            goal.rotation = Eigen::Quaterniond(held.rotation->data());
         }
         if (held.roll) goal.roll = done < 1.0 ? held.fromRoll + done * (*held.roll - held.fromRoll) : *held.roll;
         goals_.push_back(goal);
     }
 }
 
-Result<LiveCharacter::Settled> LiveCharacter::settle() {
+Result<LiveCharacter::Convergence> LiveCharacter::converge() {
     if (auto alive = built(); !alive) return tl::unexpected(alive.error());
-    Settled settled;
-    if (!character_) return settled;
+    Convergence solved;
+    if (!character_) return solved;
     const auto start = std::chrono::steady_clock::now();
     collectGoals();
-    settled.settled = goals_.empty();
-    while (!settled.settled && settled.iterations < kSettleSteps) {
+    solved.converged = goals_.empty();
+    while (!solved.converged && solved.iterations < kMostSolves) {
         const auto report = character_->solvePose(goals_, ownPose());
-        ++settled.iterations;
-        settled.settled = report.settled;
+        ++solved.iterations;
+        solved.converged = report.converged;
         if (!report.finite) break;
     }
     showPose();
-    settled.warnings = warnings();
-    settled.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return settled;
+    solved.warnings = warnings();
+    solved.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return solved;
 }
 
 Result<void> LiveCharacter::returnToRest() {
@@ -256,10 +256,10 @@ Result<void> LiveCharacter::returnToRest() {
     if (!character_) return {};
     history_.pose() = restPose(plan_.input.skeleton);
     collectGoals();
-    bool settled = goals_.empty();
-    for (int i = 0; i < kSettleSteps && !settled; ++i) {
+    bool converged = goals_.empty();
+    for (int i = 0; i < kMostSolves && !converged; ++i) {
         const auto report = character_->solvePose(goals_, history_.pose());
-        settled = report.settled || !report.finite;
+        converged = report.converged || !report.finite;
     }
     return {};
 }
@@ -372,7 +372,7 @@ void LiveCharacter::applyTouches() {
 bool LiveCharacter::moving() {
     const auto alive = built();
     if (!alive || !*alive || shownTake_) return false;
-    if (stirred_ && (!character_->resting() || (performance_ && (performance_->isDynamic() || !performance_->resting())))) return true;
+    if (awake_ && (!character_->resting() || (performance_ && (performance_->isDynamic() || !performance_->resting())))) return true;
     const auto& held = document().goals;
     const auto& handles = document().handleGoals;
     const auto glides = [](const auto& h) { return h.second.elapsed < h.second.seconds; };
@@ -387,11 +387,11 @@ void LiveCharacter::stepFrame(double seconds) {
     shownTake_.reset();
     history_.advanceGlides(seconds);
     collectGoals();
-    bool settled = true;
-    // What is settled is not solved again: it would go on changing by rounding, and nothing would ever rest.
-    if (!goals_.empty() && !(poseSettled_ && goals_ == settledGoals_)) {
-        settled = poseSettled_ = character_->solvePose(goals_, ownPose()).settled;
-        settledGoals_ = goals_;
+    bool converged = true;
+    // What is converged is not solved again: it would go on changing by rounding, and nothing would ever rest.
+    if (!goals_.empty() && !(poseConverged_ && goals_ == convergedGoals_)) {
+        converged = poseConverged_ = character_->solvePose(goals_, ownPose()).converged;
+        convergedGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
     const bool handled = applyHandles(), turned = applyTurns(), morphed = applyMorphs();
@@ -409,12 +409,12 @@ void LiveCharacter::stepFrame(double seconds) {
             character_->shift(performance_->pose());
             seeFlesh();
         }
-    } else if (handled || turned || morphed || !document().pose.points.empty() || stirred_ || wasTake || !character_->resting()) {
+    } else if (handled || turned || morphed || !document().pose.points.empty() || awake_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
     measureEffects();
     noteMeetings(*character_, plan_, recording_.has_value(), history_.edit(), valid_);
-    stirred_ = !settled || (performance_ && !performance_->resting()) || !character_->resting();
+    awake_ = !converged || (performance_ && !performance_->resting()) || !character_->resting();
     recordFrame(seconds);
     history_.noteFrame(seconds);
 }
@@ -477,7 +477,7 @@ Result<void> LiveCharacter::follow(const Document& before) {
         valid_ = false;
         performance_.reset();
         if (followSkeleton(history_.edit(), was ? was->get() : nullptr, **is))
-            if (const auto settled = settle(); !settled) return tl::unexpected(settled.error());
+            if (const auto solved = converge(); !solved) return tl::unexpected(solved.error());
     } else if (changesCharacter(change, document())) {
         valid_ = false;
     }
@@ -493,7 +493,7 @@ void LiveCharacter::takeBack(const Document& failed) noexcept {
         const bool rebuild = changesCharacter(change, document()) || error_;
         if (rebuild) valid_ = false;
         if (change.effects) performanceValid_ = false;
-        if (change.posing()) poseSettled_ = false;
+        if (change.posing()) poseConverged_ = false;
         if ((rebuild || !change.empty()) && built() && !shownTake_) showPose();
     } catch (const std::exception&) {  // no memory
         drop();
@@ -513,7 +513,7 @@ void LiveCharacter::followExchange(const Document& before) noexcept {
 }
 
 void LiveCharacter::drop() noexcept {
-    valid_ = poseSettled_ = false;
+    valid_ = poseConverged_ = false;
     error_.reset();
     character_.reset();
     performance_.reset();
@@ -528,9 +528,9 @@ void LiveCharacter::replace() {
     valid_ = false;
 }
 
-void LiveCharacter::stir(bool posed) {
-    if (posed) poseSettled_ = false;
-    stirred_ = true;
+void LiveCharacter::wake(bool posed) {
+    if (posed) poseConverged_ = false;
+    awake_ = true;
 }
 
 void LiveCharacter::leaveTake() {

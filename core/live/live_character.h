@@ -35,9 +35,9 @@ public:
     LiveCharacter(DocumentHistory& history, DocumentResponses& responses);
 
     /// Null: there is none, or it cannot be built. It is not here any more then.
-    [[nodiscard]] std::shared_ptr<const BuiltCharacter> giveAway();
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> release();
     /// built() takes over what fits when it builds next.
-    void lend(std::shared_ptr<const BuiltCharacter> built) { lent_ = std::move(built); }
+    void reuse(std::shared_ptr<const BuiltCharacter> built) { reusable_ = std::move(built); }
 
     [[nodiscard]] const Document& document() const { return history_.document(); }
 
@@ -67,14 +67,14 @@ public:
     void hidePositions() { positions_.clear(); }
 
     // ---- posing
-    struct Settled {
+    struct Convergence {
         int iterations = 0;
-        bool settled = true;
+        bool converged = true;
         double milliseconds = 0.0;
         unsigned warnings = 0;  ///< of FrameWarning
     };
     /// Solves the static pose towards the targets. With bone dynamics the shown pose follows as frames pass. Errors: those of built().
-    Result<Settled> settle();
+    Result<Convergence> converge();
     /// The pose becomes the rest pose, as far as targets allow: where bone dynamics take a body that is let go. Errors: those of built().
     Result<void> returnToRest();
     /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
@@ -127,19 +127,19 @@ public:
     [[nodiscard]] bool fits(const Take& take) const;
 
     // ---- following the document: what the session calls when it has changed
-    /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), settle() and built().
+    /// After a command: brings targets and pose along, see followSkeleton(). Errors: those of planCharacter(), converge() and built().
     Result<void> follow(const Document& before);
-    /// After a failed command, with the document as it left it.
+    /// Undoes what a failed command changed here. `failed`: the document as that command left it.
     void takeBack(const Document& failed) noexcept;
     /// After undo, redo and a gesture that was cancelled: jumps to the pose.
     void followExchange(const Document& before) noexcept;
-    /// There was no memory to follow: whoever asks next has it built from nothing.
+    /// Frees everything, after following ran out of memory. The next question builds it again.
     void drop() noexcept;
     /// Another document took the place of this one.
     void replace();
-    /// Ends what counts as at rest. `posed`: targets or poses may be others, which are solved again.
-    void stir(bool posed);
-    /// Shows the document again where a take is shown.
+    /// The next frame is computed, even if everything was at rest. `posed`: targets or poses may have changed, so the pose is solved again.
+    void wake(bool posed);
+    /// If a take is shown, shows the pose of the document again.
     void leaveTake();
 
 private:
@@ -159,7 +159,7 @@ private:
     [[nodiscard]] bool usesLatestResponses() const;
     /// Errors: those of built(); those of planning and building stay until the document is another.
     Result<void> build();
-    /// Empties a pose of another skeleton.
+    /// Drops the document's pose if it is not of this skeleton.
     void dropForeignPose();
     /// Makes `performance_` what the effects of the document ask for. Errors: those of Performance.
     Result<void> prepare();
@@ -189,7 +189,7 @@ private:
     DocumentResponses& responses_;
     std::vector<KnownPlan> knownPlans_;  // latest last
     EmbeddedModels embeddedModels_;      // of characters
-    std::shared_ptr<const BuiltCharacter> lent_;
+    std::shared_ptr<const BuiltCharacter> reusable_;
 
     CharacterPlan plan_;
     std::optional<Character> character_;
@@ -200,9 +200,9 @@ private:
     bool performanceValid_ = false;
 
     std::vector<IkGoal> goals_;
-    std::vector<IkGoal> settledGoals_;     // while poseSettled_: the pose is the last word of inverse kinematics on these
-    bool poseSettled_ = false;
-    bool stirred_ = false;               // poses or targets changed since everything came to rest
+    std::vector<IkGoal> convergedGoals_;     // while poseConverged_: the pose is the last word of inverse kinematics on these
+    bool poseConverged_ = false;
+    bool awake_ = false;                 // poses or targets changed since everything came to rest
     std::array<double, kEffects> effectMs_;  // of the last frame; negative: it had no such effect
     std::map<PartId, Points> positions_;     // see showPositions()
     std::optional<Recording> recording_;

@@ -102,7 +102,7 @@ double Performance::predict(const Document& document, const CharacterPlan& plan)
     trial->reset(pose, {});
     // One bone in three is turned a little, so that all springs work.
     for (std::size_t i = 0; i < pose.points.size(); i += 3) pose.points[i] += Vec3::Constant(0.05 * plan.input.skeleton.bones[0].length);
-    // The first ones find caches cold, and others are disturbed. Somebody waits for the answer.
+    // Several runs, as the first ones find cold caches and others are interrupted; few, as the user waits for the answer.
     constexpr std::size_t kFewest = 9, kMax = 40;
     constexpr double kLongest = 4.0;  // ms, all together
     std::vector<double> times;

@@ -55,26 +55,26 @@ DocumentResponses::DocumentResponses(const Document& document, std::shared_ptr<R
 
 // ---- what is asked for -------------------------------------------------------------------------------------------------
 
-DocumentResponses::Wish DocumentResponses::wishOf(PartId element) const {
+DocumentResponses::ResponseRequest DocumentResponses::requestOf(PartId element) const {
     const EffectColumns columns = columnsAsked(document_.effects, element);
-    Wish wish;
-    wish.basis = document_.settings.basis;
-    wish.loads = columns.loads;
-    wish.touch = columns.patches;
-    return wish;
+    ResponseRequest request;
+    request.basis = document_.settings.basis;
+    request.loads = columns.loads;
+    request.touch = columns.patches;
+    return request;
 }
 
 ResponseInput DocumentResponses::inputOf(PartId element) const {
     const Element& e = *document_.elements.at(element);
-    const Wish wish = wishOf(element);
+    const ResponseRequest request = requestOf(element);
     ResponseInput input;
     input.mesh = e.mesh;
     input.faces = e.faces;
     for (const Handle& handle : e.handles) input.faces[static_cast<std::size_t>(e.faceIndex(handle.face))].disc = SurfaceDisc{handle.point, handle.radius};
     input.nu = e.nu;
-    input.basis = wish.basis;
-    input.loads = wish.loads ? BodyLoads::Always : BodyLoads::WhereCheap;
-    input.touch = wish.touch;
+    input.basis = request.basis;
+    input.loads = request.loads ? BodyLoads::Always : BodyLoads::WhereCheap;
+    input.touch = request.touch;
     input.solverMesh = e.solverMesh;
     input.threads = threads();
     return input;
@@ -88,12 +88,12 @@ ResponseInput DocumentResponses::inputOfDraft(PartId element) const {
     return input;
 }
 
-DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
+DocumentResponses::Known& DocumentResponses::known(PartId element) const {
     const auto& part = document_.elements.at(element);
-    Asked& known = asked_[element];
-    if (const Wish wish = wishOf(element); known.element != part || !(known.wish == wish)) {
+    Known& known = known_[element];
+    if (const ResponseRequest request = requestOf(element); known.element != part || !(known.request == request)) {
         ResponseInput input = inputOf(element);
-        known = {part, wish, {}, {}, answeringKeys(input), {}, {}, {}};
+        known = {part, request, {}, {}, answeringKeys(input), {}, {}, {}};
         known.key = known.keys.front();
         input.nu = 0.0;
         input.loads = BodyLoads::None;
@@ -104,20 +104,20 @@ DocumentResponses::Asked& DocumentResponses::asked(PartId element) const {
 }
 
 const ContentKey& DocumentResponses::partsOf(PartId element) const {
-    Asked& known = asked(element);
-    if (known.parts) return *known.parts;
+    Known& asked = known(element);
+    if (asked.parts) return *asked.parts;
     ContentHasher hasher;
-    const TriangleMesh& body = known.element->mesh->body;
+    const TriangleMesh& body = asked.element->mesh->body;
     hasher.number(static_cast<std::int64_t>(body.vertices.rows()));
     Triangles triangles = body.triangles;  // of mirror images they are turned round
     triangles.col(1) = body.triangles.col(1).cwiseMin(body.triangles.col(2));
     triangles.col(2) = body.triangles.col(1).cwiseMax(body.triangles.col(2));
     hasher.bytes(triangles.data(), static_cast<std::size_t>(triangles.size()) * sizeof(std::int32_t));
-    for (const JointFace& face : known.element->faces) hasher.bytes(face.vertices.data(), face.vertices.size() * sizeof(std::int32_t));
-    hasher.number(known.element->nu);
-    hasher.number(static_cast<int>(known.wish.loads));
-    hasher.number(known.wish.touch);
-    return *(known.parts = hasher.key());
+    for (const JointFace& face : asked.element->faces) hasher.bytes(face.vertices.data(), face.vertices.size() * sizeof(std::int32_t));
+    hasher.number(asked.element->nu);
+    hasher.number(static_cast<int>(asked.request.loads));
+    hasher.number(asked.request.touch);
+    return *(asked.parts = hasher.key());
 }
 
 const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
@@ -169,19 +169,19 @@ void DocumentResponses::findShared() const {
 // ---- what is there -----------------------------------------------------------------------------------------------------
 
 std::shared_ptr<const ElementResponse> DocumentResponses::checked(std::shared_ptr<const ElementResponse> response, PartId element) const {
-    Asked& known = asked(element);
-    if (!response || response == known.fitting.lock()) return response;
-    if (!fits(*response, *known.element, known.wish.basis)) return nullptr;
-    known.fitting = response;
+    Known& asked = known(element);
+    if (!response || response == asked.fitting.lock()) return response;
+    if (!fits(*response, *asked.element, asked.request.basis)) return nullptr;
+    asked.fitting = response;
     return response;
 }
 
 std::shared_ptr<const ElementResponse> DocumentResponses::freshOf(PartId element) const { return checked(found(element).response, element); }
 
 StoredResponse DocumentResponses::found(PartId element) const {
-    const Asked& known = asked(element);
-    StoredResponse response = found(*known.element, known.keys, known.wish.loads);
-    response.shape = known.shape;
+    const Known& asked = known(element);
+    StoredResponse response = found(*asked.element, asked.keys, asked.request.loads);
+    response.shape = asked.shape;
     return response;
 }
 
@@ -198,8 +198,8 @@ bool DocumentResponses::has(PartId element, const ResponseInput& input) const {
 }
 
 bool DocumentResponses::isFresh(PartId element, const StoredResponse& response) const {
-    const Asked& known = asked(element);
-    return std::find(known.keys.begin(), known.keys.end(), response.key) != known.keys.end() && answers(*response.response, known.wish.loads);
+    const Known& asked = known(element);
+    return std::find(asked.keys.begin(), asked.keys.end(), response.key) != asked.keys.end() && answers(*response.response, asked.request.loads);
 }
 
 std::shared_ptr<const ElementResponse> DocumentResponses::fittingOf(PartId element) const {
@@ -217,7 +217,7 @@ ResponseState DocumentResponses::stateOf(PartId element) const {
 bool DocumentResponses::isDraft(PartId element) const {
     const auto last = last_.find(element);
     if (last == last_.end() || stateOf(element) != ResponseState::Stale || !fittingOf(element)) return false;
-    auto& drafts = asked(element).drafts;
+    auto& drafts = known(element).drafts;
     if (drafts.empty()) drafts = answeringKeys(inputOfDraft(element));
     return std::find(drafts.begin(), drafts.end(), last->second.key) != drafts.end();
 }
@@ -231,7 +231,7 @@ ResponseEstimate DocumentResponses::estimateOf(PartId element) const {
 }
 
 ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const ResponseInput& input) const {
-    const std::pair asked(key, input.threads);
+    const std::pair known(key, input.threads);
     if (const auto known = estimates_.find(asked); known != estimates_.end()) return known->second;
     if (estimates_.size() >= kMaxEstimates) estimates_.clear();
     return estimates_[asked] = estimateResponse(input);
@@ -307,7 +307,7 @@ void DocumentResponses::refresh() {
 void DocumentResponses::dropGone() {
     const auto gone = [&](const auto& item) { return !document_.elements.contains(item.first); };
     std::erase_if(last_, gone);
-    std::erase_if(asked_, gone);
+    std::erase_if(known_, gone);
 }
 
 bool DocumentResponses::unsaved() const {
@@ -321,7 +321,7 @@ void DocumentResponses::markSaved() {
 }
 
 DocumentResponses::Remembered DocumentResponses::replace(Remembered by) {
-    asked_.clear();
+    known_.clear();
     sharing_.elements.clear();  // asks for no memory, as an empty Sharing would
     sharing_.keys.clear();
     sharing_.shared.clear();

@@ -20,9 +20,8 @@ namespace imomushi {
 
 enum class ResponseState { None, Fresh, Stale };
 
-/// Of congruent elements only the first of the document is computed; the others take its response over, turned or
-/// mirrored. By the document alone, whatever is known already, so
-/// that a script gives the same bytes each time.
+/// Congruent elements share one response. The first of them in the document is solved; the others use its response, turned or mirrored. Which one is first follows from the document
+/// alone, not from what is in memory: a script gives the same bytes each time.
 struct SharedResponse {
     PartId from = 0;
     std::shared_ptr<const Congruence> how;
@@ -53,9 +52,9 @@ public:
     [[nodiscard]] ResponseInput inputOfDraft(PartId element) const;
     /// Threads of a precompute, by the settings.
     [[nodiscard]] int threads() const;
-    [[nodiscard]] const ContentKey& keyOf(PartId element) const { return asked(element).key; }
+    [[nodiscard]] const ContentKey& keyOf(PartId element) const { return known(element).key; }
     /// The key without nu and what effects ask for: a response of the same shape still fits the element.
-    [[nodiscard]] const ContentKey& shapeOf(PartId element) const { return asked(element).shape; }
+    [[nodiscard]] const ContentKey& shapeOf(PartId element) const { return known(element).shape; }
     /// Null: the element is computed itself. Valid until the document changes.
     [[nodiscard]] const SharedResponse* sharedOf(PartId element) const;
 
@@ -107,16 +106,16 @@ public:
 
 private:
     /// What the document asks of the response of an element, besides the element itself.
-    struct Wish {
+    struct ResponseRequest {
         BasisChoice basis;
         bool loads = false;
         int touch = 0;
-        bool operator==(const Wish&) const = default;
+        bool operator==(const ResponseRequest&) const = default;
     };
-    /// What an element asks for, as of `element` and `wish`.
-    struct Asked {
+    /// What an element asks for, as of `element` and `request`.
+    struct Known {
         std::shared_ptr<const Element> element;
-        Wish wish;
+        ResponseRequest request;
         ContentKey key, shape;
         std::vector<ContentKey> keys;                 ///< `key` first, then of others that may have all of it
         std::vector<ContentKey> drafts;               ///< the same of inputOfDraft(); empty until they are asked for
@@ -131,8 +130,8 @@ private:
         std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
         std::map<PartId, SharedResponse> shared;
     };
-    [[nodiscard]] Wish wishOf(PartId element) const;
-    Asked& asked(PartId element) const;
+    [[nodiscard]] ResponseRequest requestOf(PartId element) const;
+    Known& known(PartId element) const;
     /// What the store has of all that the element asks for, unchecked; without a response where it has nothing.
     StoredResponse found(PartId element) const;
     /// Under the first of answeringKeys() that has all that is asked for; `loads`: body loads too.
@@ -151,7 +150,7 @@ private:
     const std::shared_ptr<ResponseStore> store_;
     std::map<PartId, StoredResponse> last_;     // held here, so that the store does not evict what the project file is to have
     std::set<ContentKey> unsaved_;              // computed and in no project file yet
-    mutable std::map<PartId, Asked> asked_;
+    mutable std::map<PartId, Known> known_;
     mutable Sharing sharing_;
     mutable std::map<std::pair<ContentKey, int>, ResponseEstimate> estimates_;  // by key and threads
 };

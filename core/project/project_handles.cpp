@@ -26,7 +26,7 @@ void writeHandles(Database& db, const Document& document) {
         }
     RowWriter goals(db, "INSERT INTO handle_goals VALUES (?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [handle, g] : document.handleGoals) {
-        const Eigen::Vector4d turn = g.target.turn.coeffs(), from = g.from.turn.coeffs();
+        const Eigen::Vector4d turn = g.target.rotation.coeffs(), from = g.from.rotation.coeffs();
         goals.row(handle.element, handle.face, g.target.held, g.pinned, g.target.at, turn, g.from.at, from, g.seconds, g.elapsed);
     }
 }
@@ -62,7 +62,7 @@ void readHandles(Database& db, Document& document) {
         FaceRef handle;
         handle.element = readId(goals);
         HandleGoal goal;
-        readColumns(goals, handle.face, goal.target.held, goal.pinned, goal.target.at, goal.target.turn, goal.from.at, goal.from.turn,
+        readColumns(goals, handle.face, goal.target.held, goal.pinned, goal.target.at, goal.target.rotation, goal.from.at, goal.from.rotation,
                     Within{goal.seconds, 0.0, 1e6}, Within{goal.elapsed, 0.0, 1e6});
         const auto element = document.elements.find(handle.element);
         require(element != document.elements.end() && element->second->handleOf(handle.face), "a handle that was moved is missing");

@@ -35,7 +35,7 @@ bool allWithin(const Values& values, Eigen::Index count) {
     return std::all_of(values.data(), values.data() + values.size(), [&](auto v) { return v >= 0 && v < count; });
 }
 
-/// Whether all are coordinates or lengths of a document, m. Import allows more, so a document can hold what can be saved but not opened again.
+/// Whether all are finite and within kMaxCoordinate, m. Import checks less strictly: a document may hold coordinates that can be saved but are refused when the file is opened.
 template <class Values>
 bool allCoordinates(const Values& values) {
     return allFinite(values) && std::all_of(values.data(), values.data() + values.size(), [](auto x) { return std::abs(x) <= kMaxCoordinate; });

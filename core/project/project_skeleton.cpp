@@ -63,7 +63,7 @@ void writeSkeleton(Database& db, const Document& document) {
     }
     RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [end, h] : document.goals)
-        held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.turn ? std::vector<double>(h.turn->begin(), h.turn->end()) : std::vector<double>(), h.fromRoll, h.from, h.seconds, h.elapsed);
+        held.row(end.bone, end.atEnd, h.pinned, h.target, h.roll, h.rotation ? std::vector<double>(h.rotation->begin(), h.rotation->end()) : std::vector<double>(), h.fromRoll, h.from, h.seconds, h.elapsed);
     std::vector<double> points, frames;
     for (const Vec3& p : document.pose.points) points.insert(points.end(), p.data(), p.data() + 3);
     for (const auto& q : document.pose.frames) frames.insert(frames.end(), q.coeffs().data(), q.coeffs().data() + 4);
@@ -130,7 +130,7 @@ void readSkeleton(Database& db, Document& document) {
         const auto turn = held.array<double>(4);
         if (!turn.empty()) {
             require(turn.size() == 4 && allFinite(turn), "a held bone is broken");
-            std::copy(turn.begin(), turn.end(), h.turn.emplace().begin());
+            std::copy(turn.begin(), turn.end(), h.rotation.emplace().begin());
             require(std::abs(Eigen::Quaterniond(turn.data()).norm() - 1.0) < 1e-6, "a held bone has no rotation");
         }
         readColumns(held, Within{h.fromRoll, -1e9, 1e9}, h.from, Within{h.seconds, 0.0, 1e6}, Within{h.elapsed, 0.0, 1e6});

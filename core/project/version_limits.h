@@ -5,7 +5,7 @@
 
 namespace imomushi {
 
-/// What is kept of what was saved of a project; what is over, goes, the oldest first. See project_versions.h.
+/// How many earlier versions a project file keeps. Beyond either limit the oldest are deleted. See project_versions.h.
 struct VersionLimits {
     int count = 10;
     std::uintmax_t bytes = std::uintmax_t{4} << 30;  ///< of all versions of a project together; 0: none are kept

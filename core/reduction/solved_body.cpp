@@ -43,7 +43,7 @@ constexpr double kSparse = 0.8;
 constexpr int kDraftNodes = 1000;
 /// A decimated body with more than this share of the nodes is not used.
 constexpr double kWorthDecimating = 0.9;
-/// Edges shorter than this times the mean have no bubble, on a decimated body and on the best one: the displacement is almost linear along them.
+/// Edges shorter than this times the mean edge get no bubble (quadratic displacement): the displacement is almost linear along them. For a decimated body, and for the setting "best".
 constexpr double kStraight = 0.5, kStraightOfBest = 0.25;
 /// A body has thin walls where at least kThinShare of its surface is of triangles longer than kThinWall times the wall behind them. Both sides of such a wall
 /// must be refined alike: otherwise the bending of a plate is wrong by 0.3 % (unrefined 0.1 %) at a ratio of 5, and by 2 % (0.2 %) at 25 (measured).

@@ -33,8 +33,8 @@ constexpr int kMaxSteps = 120;  // per solve(), after a large move
 constexpr int kHalvings = 12;    // of a step in its line search
 constexpr int kRaises = 6;       // of the damping in one solve()
 constexpr double kRaise = 6.0;   // factor of each
-constexpr double kSettledMove = 1e-6;  // mean bone lengths per solve()
-constexpr double kSettledTurn = 1e-6;  // radians per solve()
+constexpr double kConvergedMove = 1e-6;  // mean bone lengths per solve()
+constexpr double kConvergedTurn = 1e-6;  // radians per solve()
 constexpr double kMiss = 1e-4;         // mean bone lengths: farther from its target a point is out of reach
 // The part of their twist by which roots turn back per solve(), while targets move and at rest.
 constexpr double kRootReturn = 0.1;
@@ -111,10 +111,10 @@ struct InverseKinematics::State {
         for (const auto& goal : goals)
             usable = usable && allFinite(goal.target) && std::isfinite(goal.roll) && goal.point >= 0 &&
                      goal.point < static_cast<int>(x.size()) && goal.heldBone < static_cast<int>(frames.size()) &&
-                     (goal.heldBone < 0 || (allFinite(goal.turn.coeffs()) && std::abs(goal.turn.squaredNorm() - 1.0) < 1e-3));
+                     (goal.heldBone < 0 || (allFinite(goal.rotation.coeffs()) && std::abs(goal.rotation.squaredNorm() - 1.0) < 1e-3));
         if (!usable) {
             report.finite = false;
-            report.settled = false;
+            report.converged = false;
             return report;
         }
 
@@ -125,7 +125,7 @@ struct InverseKinematics::State {
         for (const auto& goal : goals) {
             const auto same = [&](const IkTargets::Direction& d) { return d.bone == goal.heldBone; };
             if (goal.heldBone >= 0 && std::none_of(targets.directions.begin(), targets.directions.end(), same))
-                targets.directions.push_back({goal.heldBone, (goal.turn * rods.tree().restDirection[goal.heldBone]).normalized(), rods.heldStiffness()});
+                targets.directions.push_back({goal.heldBone, (goal.rotation * rods.tree().restDirection[goal.heldBone]).normalized(), rods.heldStiffness()});
             const Vec3 reach = goal.target - pose.points[goal.point];
             const double distance = safeNorm(reach);
             targets.held[goal.point] = 1;
@@ -182,7 +182,7 @@ struct InverseKinematics::State {
                 report.finite = false;
                 break;
             }
-            if (longest <= 1e-4 * kSettledMove * rods.unit()) break;
+            if (longest <= 1e-4 * kConvergedMove * rods.unit()) break;
             if (longest > kStepMove * rods.unit())
                 for (auto& d : step) d *= kStepMove * rods.unit() / longest;
 
@@ -230,7 +230,7 @@ struct InverseKinematics::State {
         stalledSolves = misses < leastMiss - kNearer * rods.unit() ? 0 : stalledSolves + 1;
         gain = solvesAtRest == 0 ? misses : leastMiss - misses;
         leastMiss = std::min(leastMiss, misses);
-        report.settled = report.finite && change <= kSettledMove * rods.unit() && turn <= kSettledTurn;
+        report.converged = report.finite && change <= kConvergedMove * rods.unit() && turn <= kConvergedTurn;
         report.outOfReach = miss > kMiss * rods.unit() && !limited && change <= 0.5 * radius;
         return report;
     }
@@ -256,11 +256,11 @@ struct InverseKinematics::State {
         });
         for (Stand& stand : stands)
             if (std::hypot(stand.cosine, stand.sine) > kStands * stand.spread && stand.spread > kStands * kStands * rods.unit() * rods.unit())
-                stand.turn = Eigen::AngleAxisd(std::atan2(stand.sine, stand.cosine), Vec3::UnitY());
+                stand.rotation = Eigen::AngleAxisd(std::atan2(stand.sine, stand.cosine), Vec3::UnitY());
         for (const int b : upright) targets.directions.push_back({b, turnOf(b) * rods.tree().restDirection[b], skeleton().bones[static_cast<std::size_t>(b)].upright});
     }
     [[nodiscard]] const Quaterniond& turnOf(int bone) const {
-        return stands[static_cast<std::size_t>(component[static_cast<std::size_t>(skeleton().bones[static_cast<std::size_t>(bone)].start)])].turn;
+        return stands[static_cast<std::size_t>(component[static_cast<std::size_t>(skeleton().bones[static_cast<std::size_t>(bone)].start)])].rotation;
     }
 
     // Turns roots by part of their twist back to the minimal rotation from rest: parallel transport in time is path-dependent (holonomy), so that a body which

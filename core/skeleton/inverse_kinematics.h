@@ -31,7 +31,7 @@ public:
     static constexpr double kTrustRadius = 0.03;
 
     struct Report {
-        bool settled = true;        ///< converged: another solve() would not change the pose
+        bool converged = true;      ///< another solve() would not change the pose
         double largestMiss = 0.0;   ///< m, largest distance of a held point from its target
         bool outOfReach = false;    ///< converged with a held point away from its target: stretch or bend limits keep it there
         bool finite = true;         ///< false: refused, the last good pose stays

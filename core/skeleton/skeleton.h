@@ -38,9 +38,9 @@ struct IkGoal {
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
     bool pinned = false;  ///< a pin, where the character stands; otherwise a drag
     int heldBone = -1;  ///< a bone at the point that keeps a direction, too: that of rest turned by `turn`; -1: none
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< unit
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
     bool operator==(const IkGoal& o) const {
-        return point == o.point && target == o.target && hasRoll == o.hasRoll && roll == o.roll && pinned == o.pinned && heldBone == o.heldBone && turn.coeffs() == o.turn.coeffs();
+        return point == o.point && target == o.target && hasRoll == o.hasRoll && roll == o.roll && pinned == o.pinned && heldBone == o.heldBone && turn.coeffs() == o.rotation.coeffs();
     }
 };
 

@@ -8,9 +8,9 @@
 namespace imomushi {
 namespace {
 
-/// A contact gives way by this part of the mean compliance of the patches around it: many contacts on few patches have an answer.
+/// Each contact has a compliance of its own, this part of the mean compliance of the patches around it. Otherwise more contacts than patches would have no solution.
 constexpr double kPatchSoftness = 0.005;
-constexpr int kSweepsInFrame = 16, kSweepsToSettle = 60, kRoundsToSettle = 12;
+constexpr int kSweepsInFrame = 16, kSweepsToConverge = 60, kRoundsToConverge = 12;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ FleshContact::FleshContact(std::vector<Body> bodies) : bodies_(std::move(bodies)
     island_.resize(count);
     std::iota(island_.begin(), island_.end(), std::size_t{0});
     lastIsland_ = island_;
-    stirred_.resize(count);
+    awake_.resize(count);
     woken_.resize(count);
     members_.reserve(count);
     meetings_.reserve(samples);
@@ -58,7 +58,7 @@ FleshContact::FleshContact(std::vector<Body> bodies) : bodies_(std::move(bodies)
     rows_.resize(static_cast<Eigen::Index>(2 * most * kBlock * patchesOfOne));  // memory that most characters never touch
 }
 
-/// The island of this body. True: it has settled.
+/// The island of this body. True: it has converged.
 bool FleshContact::once(const Posed& posed, std::size_t island, int sweeps) {
     members_.clear();
     for (std::size_t body = island; body < bodies_.size(); ++body)
@@ -76,9 +76,9 @@ void FleshContact::begin(const Near& near, const Settings& settings, std::span<c
     settings_ = settings;
     // An island wakes as a whole, also where it has lost whom it met.
     lastIsland_.swap(island_);
-    std::fill(stirred_.begin(), stirred_.end(), 0);
+    std::fill(awake_.begin(), awake_.end(), 0);
     for (std::size_t body = 0; body < bodies_.size(); ++body)
-        if (all || moved[body] || !states_[body].settled) stirred_[lastIsland_[body]] = 1;
+        if (all || moved[body] || !states_[body].converged) awake_[lastIsland_[body]] = 1;
     std::iota(island_.begin(), island_.end(), std::size_t{0});
     const auto find = [&](std::size_t body) {
         while (island_[body] != body) body = island_[body] = island_[island_[body]];
@@ -94,25 +94,25 @@ void FleshContact::begin(const Near& near, const Settings& settings, std::span<c
     std::fill(woken_.begin(), woken_.end(), 0);
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
         island_[body] = find(body);
-        if (stirred_[lastIsland_[body]]) woken_[island_[body]] = 1;
+        if (awake_[lastIsland_[body]]) woken_[island_[body]] = 1;
     }
     for (std::size_t body = 0; body < bodies_.size(); ++body) states_[body].asleep = states_[body].met && !woken_[island_[body]];
 }
 
-void FleshContact::finish(const Posed& posed, bool settle) {
-    settled_ = true;
+void FleshContact::finish(const Posed& posed, bool converge) {
+    converged_ = true;
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
         if (!states_[body].met) release(body);
         if (!awake(body) || island_[body] != body) continue;
-        bool settled = once(posed, body, settle ? kSweepsToSettle : kSweepsInFrame);
-        for (int i = 1; settle && !settled && i < kRoundsToSettle; ++i) settled = once(posed, body, kSweepsToSettle);
-        settled_ = settled_ && settled;
+        bool converged = once(posed, body, converge ? kSweepsToConverge : kSweepsInFrame);
+        for (int i = 1; converge && !converged && i < kRoundsToConverge; ++i) converged = once(posed, body, kSweepsToConverge);
+        converged_ = converged_ && converged;
     }
 }
 
 void FleshContact::release(std::size_t body) {
     State& s = states_[body];
-    s.settled = true;
+    s.converged = true;
     s.bounded = false;
     s.step = 0;  // what its samples knew is forgotten
     if (s.pressed.empty()) return;
@@ -124,9 +124,9 @@ void FleshContact::release(std::size_t body) {
 void FleshContact::reset() {
     for (std::size_t body = 0; body < bodies_.size(); ++body) {
         release(body);
-        states_[body].settled = false;
+        states_[body].converged = false;
     }
-    settled_ = true;
+    converged_ = true;
 }
 
 bool FleshContact::idle() const {

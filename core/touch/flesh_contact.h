@@ -16,11 +16,11 @@
 
 namespace imomushi {
 
-/// Flesh that meets flesh: elements press on each other, and on themselves, through their patches (TouchResponse): unilateral, with Coulomb's friction, without
-/// inertia. Samples of one surface keep outside of the others; forces act at them, and against them where they press, spread over the patches there.
-/// Where surfaces meet is found on those that the pose alone leaves: a linear problem for each step, which starts from the forces of the last one. Flesh
-/// that is pressed farther than dents are linear still crosses. What touches at rest does not press. Bodies that meet, and those that these meet, are an island:
-/// one that has settled sleeps until one of it moves. Built once; per frame it neither allocates, locks nor fails, and the same calls give the same bytes.
+/// Contact of flesh with flesh: elements press on each other and on themselves through their patches (TouchResponse). Contact is unilateral, with Coulomb's friction, without inertia.
+/// Sample points of one surface stay outside of the others. A force acts at a sample, and the opposite one where it presses; both are spread over the patches there.
+/// Contacts are found on the surfaces that the pose alone gives, before dents. So each step is one linear complementarity problem, which starts from the forces of the step before.
+/// Flesh still passes through where it is pressed so far that dents are no longer linear. What touches at rest does not press. Bodies in contact form islands; an island
+/// that has converged sleeps until one of its bodies moves. Built once; per frame it neither allocates, locks nor fails, and the same calls give the same bytes.
 class FleshContact {
 public:
     struct Body {
@@ -68,12 +68,12 @@ public:
     [[nodiscard]] bool awake(std::size_t body) const { return states_[body].met && !states_[body].asleep; }
     /// It meets something, and its forces stay as they are.
     [[nodiscard]] bool asleep(std::size_t body) const { return states_[body].asleep; }
-    /// Ends it. settle: until nothing moves, about.
-    void finish(const Posed& posed, bool settle);
+    /// Ends it. converge: solves until forces hardly change.
+    void finish(const Posed& posed, bool converge);
     /// One step of bodies that have all moved.
-    void step(const Posed& posed, const Near& near, const Settings& settings, bool settle) {
+    void step(const Posed& posed, const Near& near, const Settings& settings, bool converge) {
         begin(near, settings);
-        finish(posed, settle);
+        finish(posed, converge);
     }
     /// Nothing presses.
     void reset();
@@ -82,7 +82,7 @@ public:
     [[nodiscard]] const Eigen::VectorXd& patchForces(std::size_t body) const { return states_[body].forces; }
     [[nodiscard]] bool idle() const;
     /// The last step changed nothing that shows.
-    [[nodiscard]] bool settled() const { return settled_; }
+    [[nodiscard]] bool converged() const { return converged_; }
     /// Samples were inside of something in the last step and left out, as there were too many.
     [[nodiscard]] bool bounded() const;
     /// All contact forces on a body together, world, m^2 in units of a shear modulus of 1.
@@ -133,7 +133,7 @@ private:
         double softness = 0.0;                 // m / m^2
         Vec3 force = Vec3::Zero();
         std::uint64_t step = 0, lastStep = 0;  // it was solved in, and the one before; 0: none
-        bool met = false, asleep = false, settled = false, bounded = false;
+        bool met = false, asleep = false, converged = false, bounded = false;
     };
     /// A sample that meets a surface.
     struct Meeting {
@@ -165,8 +165,8 @@ private:
     void beginStep(const Posed& posed);
     void findCandidates(std::size_t a, std::size_t b, const Posed& posed);
     void placeSamples(std::size_t body, std::size_t patch, const Posed& posed);
-    void look(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed);
-    bool meet(std::size_t body, std::size_t sample, const Posed& posed, Meeting& out);
+    void broadphase(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed);
+    bool narrowphase(std::size_t body, std::size_t sample, const Posed& posed, Meeting& out);
     void findGround(std::size_t body, const Posed& posed);
     void findMeetings(const Posed& posed);
     void keepDeepest();
@@ -176,7 +176,7 @@ private:
     bool spread(Spread& out, const std::array<std::int32_t, 3>& corners, const Vec3& parts);
     void findRows(const Spread& spread, const std::array<std::int32_t, 3>& corners, const Vec3& parts);
     [[nodiscard]] Vec3 moved(const Spread& spread) const;
-    void push(const Spread& spread, const Vec3& force);
+    void applyForce(const Spread& spread, const Vec3& force);
     void solve(const Posed& posed, int sweeps);
     bool sumForces();
     // flesh_contact.cpp
@@ -189,13 +189,13 @@ private:
     Near near_;
     Settings settings_;
     std::vector<std::size_t> island_, lastIsland_;  // per body: the lowest body of its island, in this step and in the last one
-    std::vector<char> stirred_, woken_;             // per island of the last step: one of it has moved; of this one: it is awake
+    std::vector<char> awake_, woken_;             // per island of the last step: one of it has moved; of this one: it is awake
     std::vector<std::size_t> members_;              // of the island that is solved
     std::vector<Meeting> meetings_;
     std::vector<Contact> contacts_;
     Eigen::ArrayXf rows_;
     std::uint64_t step_ = 0;
-    bool settled_ = true;
+    bool converged_ = true;
 };
 
 }  // namespace imomushi

@@ -11,8 +11,8 @@ namespace {
 
 /// In so many sweeps the first looks at all contacts, the others at those that press.
 constexpr int kAllOf = 4;
-/// Forces have settled when what they change moves nothing by more than this part of the body.
-constexpr double kSettled = 1e-5;
+/// Forces have converged when what they change moves nothing by more than this part of the body.
+constexpr double kConverged = 1e-5;
 
 }  // namespace
 
@@ -80,7 +80,7 @@ Vec3 FleshContact::moved(const Spread& of) const {
     return s.axes * (sum.matrix().head<3>().cast<double>() / bodies_[of.body].shear);
 }
 
-void FleshContact::push(const Spread& of, const Vec3& force) {
+void FleshContact::applyForce(const Spread& of, const Vec3& force) {
     if (of.body == kGround) return;
     State& s = states_[of.body];
     const Vec3 here = s.axes.transpose() * force;
@@ -167,8 +167,8 @@ void FleshContact::solve(const Posed& posed, int sweeps) {
         c.goal = -c.goal;
     }
     for (const Contact& c : contacts_) {
-        push(c.on, c.force);
-        push(c.under, -c.force);
+        applyForce(c.on, c.force);
+        applyForce(c.under, -c.force);
     }
     for (int i = 0, sinceAll = 0; i < sweeps; ++i, ++sinceAll) {
         const bool all = sinceAll % kAllOf == 0;
@@ -179,9 +179,9 @@ void FleshContact::solve(const Posed& posed, int sweeps) {
             const double soft = softness(c);
             const Vec3 gap = c.goal - (moved(c.on) - moved(c.under)) - soft * before + c.compliance * before;
             ContactSolver::solveAlone(c.compliance, gap, c.under.body == kGround ? settings_.groundFriction : settings_.friction, c);
-            push(c.on, c.force - before);
-            push(c.under, before - c.force);
-            moves = moves || (c.compliance * (c.force - before)).norm() > kSettled * bodies_[c.on.body].surface->surface().size();
+            applyForce(c.on, c.force - before);
+            applyForce(c.under, before - c.force);
+            moves = moves || (c.compliance * (c.force - before)).norm() > kConverged * bodies_[c.on.body].surface->surface().size();
         }
         if (moves) continue;
         if (all) break;
@@ -217,7 +217,7 @@ bool FleshContact::sumForces() {
         s.force += c.force;
         if (m.other != kGround) states_[m.other].force -= c.force;
     }
-    bool settled = true;
+    bool converged = true;
     for (const std::size_t body : members_) {
         State& s = states_[body];
         const TouchSurface& surface = bodies_[body].surface->surface();
@@ -238,10 +238,10 @@ bool FleshContact::sumForces() {
         if (most > settings_.mostStrain) s.forces *= settings_.mostStrain / most;
         double moves = 0.0;
         for (Eigen::Index i = 0; i < s.forces.size(); ++i) moves += surface.largestDisplacement()[i / 3] * std::abs(s.forces[i] - s.before[i]);
-        s.settled = moves <= kSettled * surface.size();
-        settled = settled && s.settled;
+        s.converged = moves <= kConverged * surface.size();
+        converged = converged && s.converged;
     }
-    return settled;
+    return converged;
 }
 
 }  // namespace imomushi

@@ -131,7 +131,7 @@ void FleshContact::placeSamples(std::size_t body, std::size_t patch, const Posed
 }
 
 /// Samples of a patch and the nearest ones of another.
-void FleshContact::look(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed) {
+void FleshContact::broadphase(std::size_t body, std::size_t patch, std::size_t other, std::size_t otherPatch, const Posed& posed) {
     const ContactSurface &of = *bodies_[body].surface, &to = *bodies_[other].surface;
     State& s = states_[body];
     const auto& muted = s.muted[other];
@@ -187,8 +187,8 @@ void FleshContact::findCandidates(std::size_t a, std::size_t b, const Posed& pos
         const Vec3 at = vertexAt(a, p.centre[static_cast<std::size_t>(i)], posed);
         if ((vertexAt(b, q.centre[static_cast<std::size_t>(k)], posed) - at).squaredNorm() >= reach * reach) return;
         if (a == b && !of.areApart(i, k)) return;
-        look(a, static_cast<std::size_t>(i), b, static_cast<std::size_t>(k), posed);
-        look(b, static_cast<std::size_t>(k), a, static_cast<std::size_t>(i), posed);
+        broadphase(a, static_cast<std::size_t>(i), b, static_cast<std::size_t>(k), posed);
+        broadphase(b, static_cast<std::size_t>(k), a, static_cast<std::size_t>(i), posed);
     };
     if (a == b)
         states_[a].tree.near(within, meet);
@@ -197,7 +197,7 @@ void FleshContact::findCandidates(std::size_t a, std::size_t b, const Posed& pos
 }
 
 /// Where a sample meets the surface around its candidate. False: it does not.
-bool FleshContact::meet(std::size_t body, std::size_t sample, const Posed& posed, Meeting& out) {
+bool FleshContact::narrowphase(std::size_t body, std::size_t sample, const Posed& posed, Meeting& out) {
     const ContactSurface& of = *bodies_[body].surface;
     const Candidate& candidate = states_[body].candidates[sample];
     const std::size_t other = candidate.body;
@@ -292,7 +292,7 @@ void FleshContact::findMeetings(const Posed& posed) {
         std::sort(near.begin(), near.end());
         for (const std::size_t sample : near) {
             meetings_.emplace_back();
-            if (!meet(body, sample, posed, meetings_.back())) meetings_.pop_back();
+            if (!narrowphase(body, sample, posed, meetings_.back())) meetings_.pop_back();
         }
     }
 }

@@ -260,7 +260,7 @@ void TouchContact::step(double seconds) {
     sumForces();
 }
 
-void TouchContact::settle() {
+void TouchContact::converge() {
     left_.setZero();
     leftRate_.setZero();
     fading_ = {};

@@ -72,7 +72,7 @@ public:
     /// One frame: `seconds` pass (>= 0; anything else counts as 0).
     void step(double seconds);
     /// The pose that fingers held for long leave.
-    void settle();
+    void converge();
 
     [[nodiscard]] bool down(int finger) const { return fingers_[static_cast<std::size_t>(finger)].down; }
     [[nodiscard]] std::int32_t triangle(int finger) const { return fingers_[static_cast<std::size_t>(finger)].point.triangle; }

@@ -403,7 +403,7 @@ TEST_CASE("character: nothing to show, no bones, no faces") {
     REQUIRE(empty);
     Pose pose;
     empty->update(pose);
-    CHECK(empty->solvePose({}, pose).settled);
+    CHECK(empty->solvePose({}, pose).converged);
 
     caterpillar::Shape shape;
     shape.elements = 1;

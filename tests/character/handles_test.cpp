@@ -112,7 +112,7 @@ TEST_CASE("handles: the face of a handle follows its pose bit for bit, and v say
     const HandlePose pose{originOf(c, 2) + Vec3(0.2, 0.1, -0.3), turn.normalized(), true};
     REQUIRE(c.setHandle(2, pose));
     c.update({});
-    const Eigen::Matrix3d linear = c.handlePose(2).turn.toRotationMatrix();
+    const Eigen::Matrix3d linear = c.handlePose(2).rotation.toRotationMatrix();
     const Vec3 shift = pose.at - linear * originOf(c, 2);
     const JointFace& face = c.input().elements[0].faces[2];
     const ElementResponse& response = *c.input().elements[0].response;
@@ -211,7 +211,7 @@ TEST_CASE("handles: with bones in the body one moves with them until it is held;
     c.update(pose);
     for (const int h : {0, 1}) {
         CHECK((c.shownHandle(h).at - (turn * originOf(c, h) + Vec3(1, 0, 0))).norm() < 1e-12);
-        CHECK(c.shownHandle(h).turn.angularDistance(turn) < 1e-12);
+        CHECK(c.shownHandle(h).rotation.angularDistance(turn) < 1e-12);
     }
     CHECK((c.shownHandle(2).at - held.at).norm() < 1e-14);
     // The second bone alone, about the end at which it starts.

@@ -336,22 +336,22 @@ TEST_CASE("pin: the bone that is named keeps its direction, and keeps it while t
     w.good({{"do", "pin"}, {"endpoint", "b/start"}, {"orientation", true}});
     REQUIRE(document.goals.contains(start));
     CHECK(!document.goals.contains(end));
-    const auto turn = document.goals.at(start).turn;
+    const auto turn = document.goals.at(start).rotation;
     REQUIRE(turn);
     CHECK(*turn != std::array{0.0, 0.0, 0.0, 1.0});
     for (const char* name : {"b/start", "a/end"}) {
         w.good({{"do", "drag"}, {"endpoint", name}, {"to", {0.1, 0, 3}}});
         REQUIRE(document.goals.contains(start));
-        CHECK(document.goals.at(start).turn == turn);
+        CHECK(document.goals.at(start).rotation == turn);
         CHECK(document.goals.at(start).pinned);
         CHECK(document.goals.at(start).target == Vec3(0.1, 0, 3));
         w.good({{"do", "release"}, {"endpoint", name}});
-        CHECK(document.goals.at(start).turn == turn);
+        CHECK(document.goals.at(start).rotation == turn);
         w.good({{"do", "undo"}});
         w.good({{"do", "undo"}});
     }
     w.good({{"do", "pin"}, {"endpoint", "a/end"}, {"orientation", false}});
-    CHECK(!document.goals.at(start).turn);
+    CHECK(!document.goals.at(start).rotation);
 }
 
 TEST_CASE("drag: far out of reach it comes as near as the bones stretch and says so") {

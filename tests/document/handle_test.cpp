@@ -145,7 +145,7 @@ TEST_CASE("handle: a glide goes there while frames pass, straight and by the sho
     CHECK(half["finite"] == true);
     CHECK(w.off("high", Vec3(0.5, 0, 0)) < 1e-9);
     const FaceRef high = *w.session.document().handle("high");
-    CHECK(w.session.poseOf(high)->turn.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(std::numbers::pi / 4.0));
+    CHECK(w.session.poseOf(high)->rotation.angularDistance(Eigen::Quaterniond::Identity()) == doctest::Approx(std::numbers::pi / 4.0));
     w.good({{"do", "step"}, {"frames", 7}, {"dt", 0.1}});
     CHECK(w.off("high", Vec3(1, 0, 0)) < 1e-9);
     CHECK(!w.session.moving());

@@ -490,7 +490,7 @@ TEST_CASE("figure: a foot that is pinned with its orientation stays as it points
             }
             // It is kept through undo, a release and rest, and let go by name.
             if (!oriented || dynamics) continue;
-            const auto held = [&] { return of->document().goals.at(EndpointRef{bone.id, true}).turn.has_value(); };
+            const auto held = [&] { return of->document().goals.at(EndpointRef{bone.id, true}).rotation.has_value(); };
             good(*of, {{"do", "release"}});
             good(*of, {{"do", "rest"}});
             CHECK(held());

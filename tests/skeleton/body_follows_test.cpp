@@ -36,7 +36,7 @@ double turnOf(const Skeleton& s, const Pose& pose, std::size_t bone) {
 int settle(InverseKinematics& ik, const std::vector<IkGoal>& goals, Pose& pose) {
     constexpr int kMost = 1000;
     for (int i = 1; i <= kMost; ++i)
-        if (ik.solve(goals, pose).settled) return i;
+        if (ik.solve(goals, pose).converged) return i;
     return kMost + 1;
 }
 

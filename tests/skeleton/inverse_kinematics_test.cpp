@@ -46,7 +46,7 @@ Skeleton octopus(int arms, int bones) {
 int settle(InverseKinematics& ik, const std::vector<IkGoal>& goals, Pose& pose, InverseKinematics::Report& report, int most = 200) {
     for (int i = 1; i <= most; ++i) {
         report = ik.solve(goals, pose);
-        if (report.settled) return i;
+        if (report.converged) return i;
     }
     return most + 1;
 }
@@ -94,7 +94,7 @@ TEST_CASE("inverse kinematics: without holds nothing moves") {
     Pose pose = restPose(s);
     pose.points[3].y() = 0.7;
     const Pose before = pose;
-    CHECK(ik.solve({}, pose).settled);
+    CHECK(ik.solve({}, pose).converged);
     CHECK(largestMove(before, pose) == 0.0);
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("inverse kinematics: holds at rest leave the pose of rest") {
     std::vector<IkGoal> goals;
     for (const int p : {0, 6, 11, 41}) goals.push_back({p, s.points[p]});
     const auto report = ik.solve(goals, pose);
-    CHECK(report.settled);
+    CHECK(report.converged);
     CHECK(largestMove(restPose(s), pose) < 1e-12);
     CHECK(largestTurn(restPose(s), pose) < 1e-7);
 }

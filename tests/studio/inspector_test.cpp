@@ -267,12 +267,12 @@ TEST_CASE("inspector: limits of a bone and a pin that holds its direction are se
     REQUIRE(button("Hold orientation")->isEnabled());
     QTest::mouseClick(button("Hold orientation"), Qt::LeftButton);
     w.settle();
-    CHECK(w.now().goals.at(end).turn);
+    CHECK(w.now().goals.at(end).rotation);
     CHECK(button("Hold orientation")->isChecked());
     w.shoot("pin");
     w.trigger("undo");
     CHECK(w.now().goals.at(end).pinned);
-    CHECK(!w.now().goals.at(end).turn);
+    CHECK(!w.now().goals.at(end).rotation);
     waitFor([&] { return !button("Hold orientation")->isChecked(); });
     w.trigger("undo");
     CHECK(w.now().goals.empty());

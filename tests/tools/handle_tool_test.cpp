@@ -109,7 +109,7 @@ TEST_CASE("handle tool: R and a drag turn the handle, X about one axis; Esc take
     CHECK(stage.tool.key(Qt::Key_X, {}));
     stage.pull(stage.tool, Vec3(3.0, 0.2, 0.5));
     REQUIRE(stage.goal("handle 1"));
-    const Eigen::Quaterniond turn = stage.goal("handle 1")->target.turn;
+    const Eigen::Quaterniond turn = stage.goal("handle 1")->target.rotation;
     CHECK(turn.vec().norm() > 0.01);
     CHECK(turn.vec().tail<2>().norm() < 1e-12);
     CHECK((stage.goal("handle 1")->target.at - stage.element("bar").faces[0].frame.origin).norm() < 1e-9);

@@ -298,7 +298,7 @@ TEST_CASE("pose tool: a passing handle takes the flesh as it lies, is cancelled 
     stage.pull(stage.tool, there + Vec3(0.05, 0, 0));
     REQUIRE(stage.handles().size() == 3);
     const HandleGoal goal = stage.now().handleGoals.at({stage.element("bar").id, stage.handles()[2].face});
-    CHECK(goal.target.turn.angularDistance(Eigen::Quaterniond::Identity()) > 0.1);
+    CHECK(goal.target.rotation.angularDistance(Eigen::Quaterniond::Identity()) > 0.1);
     CHECK((goal.target.at - there).norm() < 0.3);
     stage.tool.cancel();
     CHECK(!stage.tool.busy());

@@ -123,7 +123,7 @@ TEST_CASE("dents: a finger of radius 1 on a block of 10 makes the dent of a half
                 TouchContact finger = pressed->contact(tip);
                 REQUIRE(finger.place(0, finger.surface().nearest(Vec3(0, 0, 10)), 1.0));
                 REQUIRE(finger.aim(0, Vec3(0, 0, -depth), Vec3::UnitZ()));
-                finger.settle();
+                finger.converge();
                 profile = profileOf(mesh, pressed->displacement(finger));
                 MESSAGE(pressed->surface->touch().patches.count()
                         << " patches, " << std::string(tip > 0.0 ? "with" : "without") << " a tip, " << depth << " deep: width "
@@ -143,7 +143,7 @@ TEST_CASE("dents: 24 fingers at once all meet their targets, and frames add what
     const Pressed& on = coarse();
     TouchContact contact = on.contact(0.5);
     fingers(contact);
-    contact.settle();
+    contact.converge();
     const Points moved = on.displacement(contact);
     int sticking = 0;
     for (int i = 0; i < TouchContact::kFingers; ++i) {
@@ -219,7 +219,7 @@ TEST_CASE("dents: a deep finger has a wider contact instead of a torn surface, a
     double radius = 0.0;
     for (const double depth : {0.05, 0.2, 0.5, 1.0, 2.0, 3.0}) {
         REQUIRE(contact.aim(0, Vec3(0, 0, -depth), Vec3::UnitZ()));
-        contact.settle();
+        contact.converge();
         const auto profile = profileOf(on.body.mesh, on.displacement(contact));
         CHECK_FALSE(contact.clamped(0));
         CHECK(profile.front().second == doctest::Approx(depth).epsilon(1e-6));

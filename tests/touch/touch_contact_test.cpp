@@ -47,7 +47,7 @@ TEST_CASE("touch: the pressed point meets its target") {
         const auto p = put(contact, 0, place);
         for (const double depth : {0.01, 0.02, 0.03}) {
             push(*body, contact, 0, depth * body->size(), 0.3 * depth * body->size() * Vec3(0.1, 0.0, 0.2));
-            contact.settle();
+            contact.converge();
             CHECK(contact.state(0) == TouchContact::State::Sticks);
             CHECK_FALSE(contact.clamped(0));
             const Vec3 target =
@@ -89,7 +89,7 @@ TEST_CASE("touch: the frame adds the displacement to all vertices, and nothing w
     CHECK(std::all_of(local.begin(), local.end(), [](float x) { return x == 0.25f; }));
     put(contact, 3, Vec3(0, 0.5, 0.4));
     push(body, contact, 3, 0.1);
-    contact.settle();
+    contact.converge();
     blocks.weigh(contact.patchForces());
     CHECK(blocks.activeColumns() <= 3 * 10);
     blocks.add(0, 7, local.data());
@@ -114,7 +114,7 @@ TEST_CASE("touch: the joints feel a finger") {
     CHECK(forces.isZero(0.0));
     put(contact, 0, Vec3(0.5, 0, 0.5));
     push(body, contact, 0, 0.05);
-    contact.settle();
+    contact.converge();
     contact.addJointForces(2.0, forces);
     CHECK((forces + 2.0 * body.response->touch.forces * contact.patchForces()).norm() <= 1e-15);
     CHECK(forces.norm() > 0.0);
@@ -125,7 +125,7 @@ TEST_CASE("touch: two fingers pinch from both sides, and many fingers all meet t
     TouchContact contact = body.contact();
     const auto a = put(contact, 0, Vec3(0.5, 0, 0.5)), b = put(contact, 1, Vec3(-0.5, 0, 0.5));
     for (const int i : {0, 1}) push(body, contact, i, 0.08);
-    contact.settle();
+    contact.converge();
     const Points moved = body.mesh.vertices + body.displacement(contact);
     const double before = (body.at(a, body.mesh.vertices) - body.at(b, body.mesh.vertices)).norm(),
                  after = (body.at(a, moved) - body.at(b, moved)).norm();
@@ -143,7 +143,7 @@ TEST_CASE("touch: two fingers pinch from both sides, and many fingers all meet t
         points.push_back(put(many, i, Vec3(0.5 * std::cos(1.0472 * i), 0.5 * std::sin(1.0472 * i), i % 2 ? 0.3 : 0.7)));
         push(body, many, i, 0.02 + 0.003 * i);
     }
-    many.settle();
+    many.converge();
     const Points all = body.mesh.vertices + body.displacement(many);
     for (int i = 0; i < 6; ++i) {
         CAPTURE(i);
@@ -159,15 +159,15 @@ TEST_CASE("touch: of two fingers at one place the deeper one pushes") {
     TouchContact one = body.contact(), two = body.contact();
     put(one, 0, Vec3(0, 0, 1));
     push(body, one, 0, 0.1);
-    one.settle();
+    one.converge();
     for (const int i : {4, 9}) put(two, i, Vec3(0, 0, 1));
     push(body, two, 4, 0.05);
     push(body, two, 9, 0.1);
-    two.settle();
+    two.converge();
     CHECK((two.patchForces() - one.patchForces()).norm() <= 1e-6 * one.patchForces().norm());
     // The same place and depth: they share the force.
     push(body, two, 4, 0.1);
-    two.settle();
+    two.converge();
     CHECK((two.patchForces() - one.patchForces()).norm() <= 1e-6 * one.patchForces().norm());
 }
 
@@ -183,7 +183,7 @@ TEST_CASE("touch: friction holds a finger within its cone, and without friction 
         for (const double along : {0.0, 0.02, 0.3}) {
             push(body, contact, 0, 0.05, along * n.cross(Vec3::UnitX()).normalized());
             REQUIRE(contact.aim(0, -0.05 * n + along * n.cross(Vec3::UnitX()).normalized(), n));
-            contact.settle();
+            contact.converge();
             const double into = -contact.force(0).dot(n);
             CHECK(into > 0.0);
             CHECK((contact.force(0) + into * n).norm() <= (1.0 + 1e-9) * friction * into + 1e-15);
@@ -198,7 +198,7 @@ TEST_CASE("touch: a dent is smooth: deepest at the finger, and fading with the d
         TouchContact contact = body->contact();
         const auto p = put(contact, 0, body == &ball() ? Vec3(0.1, 0.1, 1) : Vec3(0.5, 0, 0.5));
         push(*body, contact, 0, 0.1);
-        contact.settle();
+        contact.converge();
         const Vec3 at = body->at(p, body->mesh.vertices), n = normalAt(*body, p);
         const Points u = body->displacement(contact);
         const double reach = body->response->touch.patches.reach;
@@ -238,7 +238,7 @@ TEST_CASE("touch: however deep fingers go, no triangle turns over and no gradien
                 REQUIRE(
                     contact.aim(i, -(scene % 3 ? 10.0 : 0.3) * normalAt(*body, p) + 0.2 * Vec3(d(random), d(random), d(random)), normalAt(*body, p)));
             }
-            contact.settle();
+            contact.converge();
             for (int i = 0; i < fingers; ++i) clamped += contact.clamped(i);
             const Eigen::VectorXd gradients = body->response->touch.gradients.cast<double>() * contact.patchForces();
             for (Eigen::Index i = 0; i < gradients.size(); i += 9) CHECK(gradients.segment<9>(i).norm() <= 0.7 * (1.0 + 1e-6));
@@ -342,8 +342,8 @@ TEST_CASE("touch: fingers follow the pose: a moved and turned element is touched
     REQUIRE(still.aim(0, corners, target));
     for (Vec3& corner : corners) corner = R * corner + Vec3(1, 2, 3);
     REQUIRE(turned.aim(0, corners, R * target + Vec3(1, 2, 3), R));
-    still.settle();
-    turned.settle();
+    still.converge();
+    turned.converge();
     CHECK((still.patchForces() - turned.patchForces()).norm() <= 1e-10 * still.patchForces().norm());
 }
 
@@ -355,7 +355,7 @@ TEST_CASE("touch: a wider finger presses more patches, softly wider") {
         contact.reset();
         const auto p = put(contact, 0, Vec3(0, 0, 1), radius);
         push(body, contact, 0, 0.05);
-        contact.settle();
+        contact.converge();
         CHECK((contact.displacement(0) + 0.05 * normalAt(body, p)).norm() <= 1e-6);
         double spread = 0.0, sum = 0.0;
         for (Eigen::Index k = 0; k < contact.patchForces().size() / 3; ++k) {

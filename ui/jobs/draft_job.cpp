@@ -81,13 +81,13 @@ void DraftJob::start() {
         item.key = key;
         item.shape = shape;
     }
-    if (!told_ && (!known.empty() || !work->items.empty())) {
-        told_ = true;
+    if (!pendingChange_ && (!known.empty() || !work->items.empty())) {
+        pendingChange_ = true;
         Q_EMIT drafting();
     }
     bring(known);
     if (work->items.empty()) {
-        if (std::exchange(told_, false)) Q_EMIT drafted();
+        if (std::exchange(pendingChange_, false)) Q_EMIT drafted();
         return;
     }
     work->threads = responses.threads();

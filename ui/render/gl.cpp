@@ -98,7 +98,7 @@ Result<Program> Program::linked(Program program, const std::string& name) {
         return fail("bad-shader", "The graphics driver cannot link " + name + ": " + log);
     }
     GLuint binding = 0;
-    for (const char* block : {"Frame", "ElementFrame"}) {
+    for (const char* block : {"Frame", "ElementState"}) {
         const GLuint index = glGetUniformBlockIndex(program.name_, block);
         if (index != GL_INVALID_INDEX) glUniformBlockBinding(program.name_, index, binding);
         ++binding;

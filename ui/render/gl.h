@@ -64,7 +64,7 @@ public:
     /// Errors: "bad-shader" with the compiler's log.
     static Result<Program> link(const char* vertex, const char* fragment);
     /// A vertex shader alone, whose outputs of these names go one after the other into the transform feedback buffer. The uniform block
-    /// ElementFrame is bound to 1.
+    /// ElementState is bound to 1.
     static Result<Program> feedback(const char* vertex, const std::vector<const char*>& outputs);
 
     void use() const { glUseProgram(name_); }

@@ -74,7 +74,7 @@ private:
         VertexArray vertexArray;
         Buffer rest, held, offsets, response, shapes, frame;
         TextureName responseTexture, shapesTexture;
-        std::vector<float> frameNumbers;  ///< the uniform block ElementFrame
+        std::vector<float> frameNumbers;  ///< the uniform block ElementState
         ElementBounds boundsOf;
         std::vector<int> neighbours;      ///< elements whose vertices its normals on seams read
         std::vector<std::int32_t> seen;   ///< under render meshes: the vertices that they need, ascending; empty: those of the body

@@ -65,7 +65,7 @@ std::optional<CutFrame> cutFrame(Session& session, PartId id) {
         frame.restCentre = restSum / weights;
     }
     if (area.norm() > 0.0) frame.normal = area.stableNormalized();  // the cap behind looks along the plane's normal
-    frame.turn = Eigen::Quaterniond::FromTwoVectors(normal, frame.normal);
+    frame.rotation = Eigen::Quaterniond::FromTwoVectors(normal, frame.normal);
     frame.reach = 0.0;
     for (const auto& loop : rimLoops(rest.triangles, cap)) {
         std::vector<Vec3>& points = frame.rim.emplace_back();

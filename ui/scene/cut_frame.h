@@ -18,7 +18,7 @@ struct CutFrame {
     Vec3 normal = Vec3::UnitX();            ///< unit, world
     Vec3 restCentre = Vec3::Zero();         ///< m
     double reach = 0.0;                     ///< m: as far as the rim is from the centre
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< of the plane, rest -> world
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of the plane, rest -> world
 
     /// A place and a direction of the world as they are at rest.
     [[nodiscard]] Vec3 atRest(const Vec3& point) const { return restCentre + turn.inverse() * (point - centre); }

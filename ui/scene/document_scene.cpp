@@ -290,7 +290,7 @@ void DocumentScene::addHandles(Session& session, const SceneOptions& options, re
                     render::Marker arrow;
                     arrow.shape = render::Marker::Shape::Axis;
                     arrow.from = pose->at;
-                    arrow.to = pose->at + kHandleAxis * of.size * (pose->turn * Vec3(of.frame.axes.col(axis)));
+                    arrow.to = pose->at + kHandleAxis * of.size * (pose->rotation * Vec3(of.frame.axes.col(axis)));
                     scene.markers.push_back(std::move(arrow));
                 }
             }

@@ -107,7 +107,7 @@ void CutDrag::move(const PointerEvent& e) {
 
 CutPlane CutDrag::plane() const {
     const CutFrame& frame = drag_->grip.frame;
-    return {frame.atRest(drag_->centre), frame.turn.inverse() * drag_->normal};
+    return {frame.atRest(drag_->centre), frame.rotation.inverse() * drag_->normal};
 }
 
 void CutDrag::preview() {
@@ -120,7 +120,7 @@ void CutDrag::preview() {
         return;
     }
     const TriangleMesh& body = drag_->sections->body();
-    drag_->outline = drag_->sections->placed(*outline, [&](std::int32_t v) { return Vec3(frame.centre + frame.turn * (body.vertices.row(v).transpose() - frame.restCentre)); });
+    drag_->outline = drag_->sections->placed(*outline, [&](std::int32_t v) { return Vec3(frame.centre + frame.rotation * (body.vertices.row(v).transpose() - frame.restCentre)); });
 }
 
 void CutDrag::release(const PointerEvent& e) {

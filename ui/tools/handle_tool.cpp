@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/document/handle_commands.h"
+#include "core/commands/handle_commands.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/commands.h"
 #include "ui/models/texts.h"

@@ -52,8 +52,8 @@ std::optional<PartDrag::Grip> PartDrag::grip(const PointerEvent& e) const {
             grip.part = rigid.part;
             grip.pivot = (motion * pivotOf(character, rigid.part.part).homogeneous()).head<3>();
             grip.at = e.rayOrigin + hit.distance * e.rayDirection;
-            if (const auto turned = document_.document().turns.find(rigid.part); turned != document_.document().turns.end()) grip.turn = turned->second.now();
-            grip.carrier = (Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>())) * grip.turn.conjugate()).normalized();
+            if (const auto turned = document_.document().turns.find(rigid.part); turned != document_.document().turns.end()) grip.rotation = turned->second.now();
+            grip.carrier = (Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>())) * grip.rotation.conjugate()).normalized();
             return grip;
         }
     }
@@ -76,12 +76,12 @@ bool PartDrag::press(const PointerEvent& e) {
 
 void PartDrag::turn(const Eigen::Quaterniond& by) {
     Grip& grip = drag_->grip;
-    grip.turn = (grip.carrier.conjugate() * by * grip.carrier * grip.turn).normalized();
+    grip.rotation = (grip.carrier.conjugate() * by * grip.carrier * grip.rotation).normalized();
     grip.at = grip.pivot + by * (grip.at - grip.pivot);
     const auto character = document_.document().characters.find(grip.part.character);
-    if (!allFinite(grip.turn.coeffs()) || character == document_.document().characters.end()) return cancel();
+    if (!allFinite(grip.rotation.coeffs()) || character == document_.document().characters.end()) return cancel();
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
-    if (!document_.execute(commands::turnPart(character->second->name, character->second->model->namedParts().nameOf(grip.part.part), grip.turn))) cancel();
+    if (!document_.execute(commands::turnPart(character->second->name, character->second->model->namedParts().nameOf(grip.part.part), grip.rotation))) cancel();
 }
 
 void PartDrag::move(const PointerEvent& e) {

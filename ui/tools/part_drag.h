@@ -35,7 +35,7 @@ private:
         PartRef part;
         Vec3 pivot = Vec3::Zero(), at = Vec3::Zero();  ///< m, world: of the turn, and what the pointer is on
         Eigen::Quaterniond carrier = Eigen::Quaterniond::Identity();  ///< how the body turns the part, besides its own turn
-        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();     ///< from rest, in the axes of the rest pose
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();     ///< from rest, in the axes of the rest pose
     };
     struct Drag {
         Grip grip;

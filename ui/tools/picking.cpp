@@ -379,7 +379,7 @@ HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace
     HandlePose pose;
     pose.held = true;
     pose.at = (motion * patch.frame.origin.homogeneous()).head<3>();
-    pose.turn = Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>())).normalized();
+    pose.rotation = Eigen::Quaterniond(Eigen::Matrix3d(motion.topLeftCorner<3, 3>())).normalized();
     return pose;
 }
 

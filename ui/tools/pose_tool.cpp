@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/finite.h"
-#include "core/document/handle_commands.h"
+#include "core/commands/handle_commands.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -88,7 +88,7 @@ bool PoseTool::makePassing(const Flesh& flesh) {
     const auto answer = document_.execute(commands::addHandle(made.element, made.point, made.radius));
     if (!answer) return false;
     const PoseGrip grip{{}, {element->id, answer->at("name").get<std::string>()}};
-    if (!document_.execute(commands::dragHandle(grip.handle.face, pose.at, pose.turn))) return false;
+    if (!document_.execute(commands::dragHandle(grip.handle.face, pose.at, pose.rotation))) return false;
     take(grip, pose.at, flesh.press);
     drag_->grip = flesh.hit.point;
     drag_->gesture = std::move(gesture);
@@ -102,7 +102,7 @@ void PoseTool::bringBack() {
     const auto answer = document_.execute(commands::addHandle(last.passing.element, last.passing.point, last.passing.radius));
     if (!answer) return;
     const std::string name = answer->at("name").get<std::string>();
-    if (!document_.execute(commands::dragHandle(name, last.at, last.turn))) return;
+    if (!document_.execute(commands::dragHandle(name, last.at, last.rotation))) return;
     gesture.commit();
     if (const auto handle = document_.document().handle(name)) document_.select({PoseGrip{{}, *handle}.item()});
 }
@@ -118,7 +118,7 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     drag.normal = dragPlane(e, -1);
     drag.grip = e.onPlane(at, drag.normal, at);
     if (grip.isHandle()) {
-        if (const auto pose = document_.session().poseOf(grip.handle)) drag.turn = pose->turn;
+        if (const auto pose = document_.session().poseOf(grip.handle)) drag.rotation = pose->rotation;
     } else if (const auto held = document_.document().goals.find(grip.end); held != document_.document().goals.end()) {
         drag.roll = held->second.roll;
     }
@@ -184,9 +184,9 @@ void PoseTool::turn(const PointerEvent& e) {
     if (!drag.end.isHandle())
         drag.roll = drag.roll.value_or(0.0) + right;
     else if (drag.axis >= 0)
-        drag.turn = (Eigen::AngleAxisd(right, Vec3::Unit(drag.axis)) * drag.turn).normalized();
+        drag.rotation = (Eigen::AngleAxisd(right, Vec3::Unit(drag.axis)) * drag.rotation).normalized();
     else
-        drag.turn = (Eigen::AngleAxisd(right, e.viewRight.cross(e.viewForward)) * Eigen::AngleAxisd(down, e.viewRight) * drag.turn).normalized();
+        drag.rotation = (Eigen::AngleAxisd(right, e.viewRight.cross(e.viewForward)) * Eigen::AngleAxisd(down, e.viewRight) * drag.rotation).normalized();
 }
 
 void PoseTool::issue(const PointerEvent& e) {
@@ -199,7 +199,7 @@ void PoseTool::issue(const PointerEvent& e) {
     }
     if (!allFinite(to)) return;
     const std::string path = pathOf(document_.document(), drag.end);
-    if (!document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.turn) : commands::drag(path, to, drag.roll))) cancel();
+    if (!document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.rotation) : commands::drag(path, to, drag.roll))) cancel();
 }
 
 void PoseTool::release(const PointerEvent& e) {
@@ -219,7 +219,7 @@ void PoseTool::release(const PointerEvent& e) {
             document_.select({drag_->end.item()});
             named = {"handle", drag_->end.handle.face};
         } else if (document_.execute(commands::removeHandle(drag_->end.handle.face))) {
-            if (pose) letGo_ = LetGo{*drag_->passing, pose->at, pose->turn};
+            if (pose) letGo_ = LetGo{*drag_->passing, pose->at, pose->rotation};
             hovered_.reset();
             named = {"drag", drag_->passing->element};
         }
@@ -243,7 +243,7 @@ bool PoseTool::wheel(double notches, const PointerEvent& e) {
     const double pace = e.pace();
     const double angle = pace * kRadiansPerNotch * notches;
     if (drag_->end.isHandle())
-        drag_->turn = (Eigen::AngleAxisd(angle, drag_->axis >= 0 ? Vec3(Vec3::Unit(drag_->axis)) : Vec3(-e.viewForward)) * drag_->turn).normalized();
+        drag_->rotation = (Eigen::AngleAxisd(angle, drag_->axis >= 0 ? Vec3(Vec3::Unit(drag_->axis)) : Vec3(-e.viewForward)) * drag_->rotation).normalized();
     else
         drag_->roll = drag_->roll.value_or(0.0) + angle;
     issue(e);

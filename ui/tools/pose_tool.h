@@ -61,7 +61,7 @@ private:
         double pressX = 0, pressY = 0, lastX = 0, lastY = 0;
         int axis = -1;                    ///< 0, 1, 2: locked to x, y, z
         std::optional<double> roll;       ///< of a bone's end, radians; none: never turned
-        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
         std::optional<Passing> passing;
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
     };
@@ -69,7 +69,7 @@ private:
     struct LetGo {
         Passing passing;
         Vec3 at = Vec3::Zero();
-        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     };
 
     [[nodiscard]] std::optional<PoseGrip> gripUnder(const PointerEvent& e) const;

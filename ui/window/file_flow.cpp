@@ -106,7 +106,7 @@ Result<Json> FileFlow::read(const Json& open) {
     const auto path = open.at("path").get<std::string>();
     working_ = tr("Opening “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
     file_.read(document_.session().registry(), path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
-    document_.session().lendCharacter(file_.takeCharacter());
+    document_.session().reuseCharacter(file_.takeCharacter());
     auto answer = document_.execute(open);
     Q_EMIT worked(working_);
     if (!answer) return answer;

@@ -73,7 +73,7 @@ void EndpointForm::addButtons(const SelectionItem& item) {
     connect(turn, &QPushButton::clicked, this, [this, item](bool on) { document_.execute(commands::pinOrientation(path(item), on)); });
     follow([this, item, pin, release, turn, pinned] {
         turn->setEnabled(pinned());
-        turn->setChecked(held(item) && held(item)->turn);
+        turn->setChecked(held(item) && held(item)->rotation);
         pin->setText(pinned() ? tr("Unpin") : tr("Pin"));
         release->setEnabled(held(item) != nullptr);
     });

@@ -3,7 +3,7 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
-#include "core/document/handle_commands.h"
+#include "core/commands/handle_commands.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
@@ -81,7 +81,7 @@ void HandleForm::addPlace(const SelectionItem& item) {
                   [shown, axis](const SelectionItem& of, double value) {
                       HandlePose pose = shown(of).value_or(HandlePose{});
                       pose.at[axis] = value;
-                      return commands::dragHandle(of.face, pose.at, pose.turn);
+                      return commands::dragHandle(of.face, pose.at, pose.rotation);
                   });
 }
 

@@ -17,8 +17,8 @@ inline constexpr double kDefaultHandleRadius = 0.05, kLargestHandleRadius = 0.5;
 void eraseHandle(Document& document, const FaceRef& face);
 /// A face that is a handle gets another name.
 void renameHandle(Document& document, const FaceRef& face, const std::string& name);
-/// Handles that hang on a bone that goes are carried by their elements.
-void letHandlesGo(Document& document, PartId bone);
+/// Handles carried by a bone that is removed are carried by their elements from then on.
+void releaseHandlesOf(Document& document, PartId bone);
 
 /// "radius" or "bone" of a handle. Errors: "no-such-property", "bad-value", those of handleFace().
 Result<void> setHandleProperty(Document& document, const FaceRef& handle, const std::string& property, const Json& value);
