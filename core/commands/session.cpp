@@ -105,7 +105,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     change.file = pendingChange_.file;
     change.pose = pendingChange_.pose || posed || (what->changesDocument() && change.structure());
     pendingChange_ = {};
-    const bool stepped = what->changesDocument() || historyMoved_;
+    const bool stepped = change.history = what->changesDocument() || historyMoved_;
     if (stepped || change.structure() || change.responses) live_->wake(stepped);
     try {
         if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
@@ -147,7 +147,7 @@ Json Session::takeOver(const PreparedStep& made) {
     const Document before = history_.document();
     Change change;
     change.document = difference(before, made.after);
-    change.pose = true;
+    change.history = change.pose = true;
     history_.addStep(made.step, made.after, made.lines);
     live_->reuse(made.character);
     live_->wake(true);
@@ -174,7 +174,7 @@ Session::Change Session::changeSince(const Document& before) const noexcept {
         change.document = difference(before, document());
     } catch (const std::bad_alloc&) {
         change.document = {};
-        change.replaced = true;  // what changed is not known
+        change.document.unknown = true;
     }
     return change;
 }
@@ -199,7 +199,10 @@ void Session::beginGesture() {
 }
 
 void Session::endGesture(Step named) {
-    if (history_.endGesture(std::move(named))) tell({});
+    if (!history_.endGesture(std::move(named))) return;
+    Change change;
+    change.history = true;
+    tell(change);
 }
 
 Document Session::dropGesture() noexcept {
@@ -213,6 +216,7 @@ void Session::cancelGesture() noexcept {
     if (!history_.inGesture()) return;
     const Document left = dropGesture();
     Change change = changeSince(left);
+    change.history = true;
     change.pose = true;
     tell(change);
 }

@@ -117,6 +117,7 @@ public:
     struct Change {
         DocumentChange document;  ///< the parts that changed, as they were
         bool replaced = false;    ///< another document took its place
+        bool history = false;     ///< steps: one was made or joined to the gesture, undone or redone
         bool pose = false;        ///< what is shown moved
         bool responses = false;
         bool file = false;        ///< path or saved state

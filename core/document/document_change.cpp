@@ -76,7 +76,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 }  // namespace
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
-bool DocumentChange::structure() const { return !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects; }
+bool DocumentChange::structure() const { return unknown || !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects; }
 bool DocumentChange::posing() const { return !goals.empty() || !handleGoals.empty() || !turns.empty() || !morphs.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {

@@ -27,7 +27,18 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Take>> takes;
     std::optional<std::vector<Touch>> touches;
     std::optional<Pose> pose;
+    bool unknown = false;  ///< memory ran out while it was made, for who is told of it: anything may differ
 
+    /// Some part of this kind differs, or may: has(&DocumentChange::elements).
+    template <class Parts>
+    [[nodiscard]] bool has(Parts DocumentChange::*kind) const {
+        if constexpr (requires(const Parts& parts) { parts.has_value(); })
+            return unknown || (this->*kind).has_value();
+        else
+            return unknown || !(this->*kind).empty();
+    }
+    /// What responses are solved from differs.
+    [[nodiscard]] bool forResponses() const { return has(&DocumentChange::elements) || has(&DocumentChange::effects) || has(&DocumentChange::settings); }
     [[nodiscard]] bool empty() const;
     /// Elements, joints, bones, characters, settings, effects or takes differ.
     [[nodiscard]] bool structure() const;

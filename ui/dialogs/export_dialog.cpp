@@ -88,8 +88,10 @@ ExportDialog::ExportDialog(StudioDocument& document, const QString& folder, QWid
         takeLayout();
     });
     connect(path_, &QLineEdit::textChanged, this, &ExportDialog::checkPath);
-    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::fillTakes);
-    connect(&document_, &StudioDocument::structureChanged, this, &ExportDialog::checkPath);
+    connect(&document_, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (change.has(&DocumentChange::takes)) fillTakes();
+        checkPath();
+    });
     connect(job_, &BackgroundJob::progressed, this, &ExportDialog::showProgress);
     connect(job_, &BackgroundJob::finished, this, &ExportDialog::showOutcome);
     showProgress();

@@ -24,7 +24,9 @@ struct DraftJob::Work {
 };
 
 DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(parent), document_(document) {
-    connect(&document, &StudioDocument::structureChanged, this, &DraftJob::follow);
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (change.forResponses()) follow();
+    });
     connect(this, &BackgroundJob::progressed, this, &DraftJob::takeDone);
     soon_.setSingleShot(true);
     connect(&soon_, &QTimer::timeout, this, &DraftJob::start);

@@ -22,7 +22,9 @@ EstimateJob::EstimateJob(StudioDocument& document, std::function<bool()> waits, 
     soon_.setSingleShot(true);
     soon_.setInterval(kEstimateSoonMs);
     connect(&soon_, &QTimer::timeout, this, &EstimateJob::start);
-    connect(&document, &StudioDocument::structureChanged, this, &EstimateJob::forget);
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (change.forResponses()) forget();
+    });
     connect(&document, &StudioDocument::responsesChanged, this, &EstimateJob::forget);
     forget();
 }

@@ -45,7 +45,8 @@ PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : Backgr
         if (!completed) keep(*work_);
     });
     // What was precomputed is gone, as after undo: so is the work for it.
-    connect(&document_, &StudioDocument::structureChanged, this, [this] {
+    connect(&document_, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (!change.has(&DocumentChange::elements)) return;
         const auto& elements = document_.document().elements;
         const auto wanted = [&](const Item& item) {
             const auto found = elements.find(item.element);

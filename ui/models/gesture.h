@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <utility>
+
 #include "ui/models/failures.h"
 #include "ui/models/studio_document.h"
 
@@ -19,19 +21,16 @@ public:
         if (!outer_) return;
         attempt([this] { Q_EMIT document_->changing(); });
         document_->session().cancelGesture();
-        attempt([this] { Q_EMIT document_->historyChanged(); });
+        attempt([this] { Q_EMIT document_->changeDone(); });
     }
     Gesture(const Gesture&) = delete;
     Gesture& operator=(const Gesture&) = delete;
 
     /// `named`: the step is called so, instead of after its last command.
     void commit(const Session::Step& named = {}) {
-        StudioDocument* document = document_;
-        document_ = nullptr;
+        StudioDocument* document = std::exchange(document_, nullptr);
         --document->gestures_;
-        if (!outer_) return;
-        document->session().endGesture(named);
-        Q_EMIT document->historyChanged();
+        if (outer_) document->session().endGesture(named);
     }
 
 private:

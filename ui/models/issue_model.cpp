@@ -11,7 +11,9 @@
 namespace imomushi {
 
 IssueModel::IssueModel(StudioDocument& document, QObject* parent) : QAbstractListModel(parent), document_(document) {
-    connect(&document, &StudioDocument::structureChanged, this, &IssueModel::rebuild);
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (change.has(&DocumentChange::elements) || change.has(&DocumentChange::characters)) rebuild();
+    });
     connect(&document, &StudioDocument::fileChanged, this, &IssueModel::rebuild);
     rebuild();
 }

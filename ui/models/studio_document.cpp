@@ -41,7 +41,7 @@ void StudioDocument::tell(const Session::Change& change) {
     const bool all = std::exchange(unheard_, false);
     if (all || change.structure()) {
         // What is gone cannot stay selected; listeners of structureChanged() may already rely on that.
-        std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); });
+        const bool unselected = std::erase_if(selection_, [this](const SelectionItem& item) { return !exists(item); }) > 0;
         if (hovered_ && !exists(*hovered_)) hovered_.reset();
         std::array<bool, kEffects> effects;
         for (std::size_t k = 0; k < kEffects; ++k) effects[k] = document().effects.has(EffectKind(k));
@@ -50,9 +50,12 @@ void StudioDocument::tell(const Session::Change& change) {
             effectMs_.fill(-1.0);
             frameMs_ = -1.0;
         }
-        Q_EMIT structureChanged(all ? difference({}, document()) : change.document);
-        Q_EMIT selectionChanged();
+        DocumentChange told = change.document;
+        told.unknown = told.unknown || all;
+        Q_EMIT structureChanged(told);
+        if (unselected) Q_EMIT selectionChanged();
     }
+    if (all || change.history) Q_EMIT historyChanged();
     if (all || change.pose) Q_EMIT poseChanged();
     if (all || change.responses) Q_EMIT responsesChanged();
     if (all || change.file) Q_EMIT fileChanged();
@@ -79,9 +82,10 @@ bool StudioDocument::exists(const SelectionItem& item) const {
 }
 
 Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
-    if (changesMore(session_.registry(), command)) Q_EMIT changing();
+    const bool more = changesMore(session_.registry(), command);
+    if (more) Q_EMIT changing();
     auto answer = session_.execute(command);
-    Q_EMIT historyChanged();
+    if (more) Q_EMIT changeDone();
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));
     return answer;
 }

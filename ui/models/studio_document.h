@@ -68,8 +68,9 @@ Q_SIGNALS:
     void structureChanged(const imomushi::DocumentChange& change);
     void poseChanged();        ///< the character moved
     void responsesArriving();  ///< they are about to change what is seen
-    /// A command runs next that may change what elements are made of, besides how they are posed. historyChanged() follows.
+    /// A command runs next that may change what elements are made of, besides how they are posed. changeDone() follows, whether it succeeds or not.
     void changing();
+    void changeDone();
     void estimated();          ///< estimateOf() says more
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps

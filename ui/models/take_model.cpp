@@ -10,7 +10,8 @@
 namespace imomushi {
 
 TakeModel::TakeModel(StudioDocument& document, QObject* parent) : QAbstractListModel(parent), document_(document) {
-    connect(&document, &StudioDocument::structureChanged, this, [this] {
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (!change.has(&DocumentChange::takes)) return;
         // A name may be being edited: rows that stay must not be taken away.
         const auto& now = document_.document().takes;
         if (now.size() != takes_.size() || !std::equal(now.begin(), now.end(), takes_.begin(), [](const auto& a, const auto& b) { return a.first == b->id; })) return refresh();

@@ -56,10 +56,13 @@ IssuesPanel::IssuesPanel(StudioDocument& document, QWidget* parent) : QWidget(pa
         place ? Q_EMIT placeFrameWanted() : Q_EMIT frameWanted();
     });
     connect(model_, &QAbstractItemModel::modelReset, this, &IssuesPanel::update);
-    connect(&document, &StudioDocument::selectionChanged, this, [this] {
+    // Places of other issues, or of what is no longer selected.
+    const auto unmark = [this] {
         Q_EMIT markWanted(0, {});
         Q_EMIT placeWanted(0, {}, std::nullopt);
-    });
+    };
+    connect(model_, &QAbstractItemModel::modelReset, this, unmark);
+    connect(&document, &StudioDocument::selectionChanged, this, unmark);
     update();
 }
 

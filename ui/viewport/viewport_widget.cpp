@@ -50,7 +50,7 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
         if (canvas_ && isVisible()) fade_ = shapeKept();
     });
     connect(&document_, &StudioDocument::changing, this, &ViewportWidget::beforeChange);
-    connect(&document_, &StudioDocument::historyChanged, this, &ViewportWidget::afterChange);
+    connect(&document_, &StudioDocument::changeDone, this, &ViewportWidget::afterChange);
     connect(&document_, &StudioDocument::responsesChanged, this, [this] {
         animate();
         updateHint();

@@ -32,7 +32,8 @@ FrameCostMeter::FrameCostMeter(StudioDocument& document, QObject* parent) : QObj
     tell_.setSingleShot(true);
     tell_.setInterval(kTellMs);
     connect(&tell_, &QTimer::timeout, this, &FrameCostMeter::changed);
-    connect(&document, &StudioDocument::structureChanged, this, [this] {
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (!change.forResponses() && !change.has(&DocumentChange::joints) && !change.has(&DocumentChange::bones)) return;
         ms_.fill(-1.0);
         tell_.start();
     });
