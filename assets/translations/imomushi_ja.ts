@@ -2145,8 +2145,8 @@
             <translation>すべての要素</translation>
         </message>
         <message>
-            <source>%1 of %2 elements</source>
-            <translation>%1 / %2 要素</translation>
+            <source>All</source>
+            <translation>すべて</translation>
         </message>
         <message>
             <source>This pose folds the surface.</source>
@@ -2177,8 +2177,12 @@
             <translation>要素が初めてほかの要素に近づいたときに前計算されます。それまでは何も費やしません。</translation>
         </message>
         <message>
-            <source>Nothing has met yet</source>
-            <translation>まだ何も触れていません</translation>
+            <source>None yet</source>
+            <translation>まだなし</translation>
+        </message>
+        <message>
+            <source>No element has come near another one yet.</source>
+            <translation>まだどの要素もほかの要素に近づいていません。</translation>
         </message>
         <message>
             <source>Turns on by itself, element by element, before anything folds. Until then it costs nothing.</source>
@@ -3400,6 +3404,10 @@
         <message>
             <source>%1 · mended</source>
             <translation>%1 · 修復済み</translation>
+        </message>
+        <message>
+            <source>Solved by boundary elements, which are less exact: finite elements could not be used.</source>
+            <translation>有限要素を使えなかったため、精度の低い境界要素で解きました。</translation>
         </message>
         <message>
             <source>Has no joint face yet: it cannot deform.</source>

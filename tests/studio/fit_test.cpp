@@ -82,6 +82,17 @@ TEST_CASE("studio: it stays within the screen when words and letters grow, also 
         }
 }
 
+TEST_CASE("studio: panels that grew with the letters shrink with them again") {
+    Window w;
+    auto* dock = w.window().findChild<QDockWidget*>(QStringLiteral("outlinerDock"));
+    REQUIRE(dock);
+    const int before = dock->width();
+    Appearance::instance().setScale(1.5);
+    CHECK(QTest::qWaitFor([&] { return std::abs(dock->width() - 1.5 * before) <= 2.0; }));
+    Appearance::instance().setScale(1.0);
+    CHECK(QTest::qWaitFor([&] { return std::abs(dock->width() - before) <= 2; }));
+}
+
 TEST_CASE("studio: at 1280 x 720 all tools are seen, in more columns where they need them") {
     Window w(kSmallest);
     w.settle();

@@ -173,3 +173,21 @@ TEST_CASE("studio: a repair that is cancelled leaves everything as it was") {
     waitForRepair(w);
     CHECK(w.window().messages().text().contains(QStringLiteral("ball")));
 }
+
+TEST_CASE("studio: an element that finite elements cannot solve is among the issues, until they can") {
+    Window w;
+    const QString path = w.folder.filePath(QStringLiteral("bar.obj"));
+    writeObj(path, shapes::bar(2).mesh);
+    w.run({{"do", "import-element"}, {"path", QFile::encodeName(path).toStdString()}, {"name", "bar"}});
+    w.run({{"do", "add-joint-face"}, {"element", "bar"}, {"name", "in"}, {"plane", {{"origin", {0, 0, 0}}, {"normal", {0, 0, -1}}}}});
+    w.run({{"do", "set"}, {"target", "bar"}, {"property", "nu"}, {"value", 0.495}});
+    Issues issues(w);
+    const auto said = [&] { return issues.row(QStringLiteral("Solved by boundary elements")).isValid(); };
+    CHECK_FALSE(said());
+    w.run({{"do", "precompute"}});
+    CHECK(said());
+    w.run({{"do", "set"}, {"target", "bar"}, {"property", "nu"}, {"value", 0.49}});
+    CHECK_FALSE(said());
+    w.run({{"do", "precompute"}});
+    CHECK_FALSE(said());
+}

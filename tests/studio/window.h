@@ -158,12 +158,13 @@ public:
         w.viewport().cameraController() = CameraController();
         w.viewport().cameraController().setViewport(w.viewport().width(), w.viewport().height());
         w.messages().hide();
-        w.restoreState(docks_);
-        w.showStart(true);
         Appearance& appearance = Appearance::instance();
         appearance.setTheme(Appearance::Theme::Dark);
         appearance.setLanguage(QStringLiteral("en"));
         appearance.setScale(1.0);
+        QCoreApplication::processEvents();  // docks follow the scale
+        w.restoreState(docks_);
+        w.showStart(true);
         QCoreApplication::processEvents();
     }
     void close() { made_.reset(); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/body/repair.h"
+#include "core/reduction/element_response.h"
 #include "ui/models/body_texts.h"
 #include "ui/models/commands.h"
 #include "ui/models/texts.h"
@@ -15,6 +16,7 @@ IssueModel::IssueModel(StudioDocument& document, QObject* parent) : QAbstractLis
         if (change.has(&DocumentChange::elements) || change.has(&DocumentChange::characters)) rebuild();
     });
     connect(&document, &StudioDocument::fileChanged, this, &IssueModel::rebuild);
+    connect(&document, &StudioDocument::responsesChanged, this, &IssueModel::rebuild);
     rebuild();
 }
 
@@ -26,6 +28,11 @@ void IssueModel::rebuild() {
         line.subject = element->name;
         line.detail = QString::fromStdString(element->name);
         addIssues(lines, line, element->issues);
+        const auto response = document_.session().responses().freshOf(id);
+        if (response && !response->quality.noFilling.empty()) {
+            line.title = tr("Solved by boundary elements, which are less exact: finite elements could not be used.");
+            lines.push_back(line);
+        }
         if (!element->faces.empty()) continue;
         line.title = tr("Has no joint face yet: it cannot deform.");
         lines.push_back(line);

@@ -480,7 +480,8 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
         const auto some = std::count_if(d.elements.begin(), d.elements.end(), [&](const auto& e) { return chosen.contains(e.first); });
         const bool waits = waitsToMeet(d.effects, effect);
         button->setEnabled(!waits);  // it finds them by itself
-        button->setText(!chosen.empty() ? tr("%1 of %2 elements").arg(some).arg(d.elements.size()) : waits ? tr("Nothing has met yet") : tr("All elements"));
+        button->setText(!chosen.empty() ? tr("%1 of %2").arg(some).arg(d.elements.size()) : waits ? tr("None yet") : tr("All"));
+        button->setToolTip(waits && chosen.empty() ? tr("No element has come near another one yet.") : QString());
     });
 }
 

@@ -9,6 +9,7 @@
 #include <QTabBar>
 #include <QTimer>
 #include <algorithm>
+#include <cmath>
 
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/effects_panel.h"
@@ -28,7 +29,7 @@ bool inFront(const QDockWidget& dock) { return dock.isVisible() && (dock.isFloat
 
 }  // namespace
 
-StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window) {
+StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window), scale_(Appearance::instance().scale()) {
     window.setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
     window.setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
     window.setTabPosition(Qt::BottomDockWidgetArea, QTabWidget::North);
@@ -123,6 +124,12 @@ void StudioDocks::takeSizes() {
     const int room = window_.screen()->availableGeometry().width();
     for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(std::min(px(300), room * 2 / 5));
     accuracyDock_->widget()->setMinimumHeight(accuracy_->minimumHeight());
+    const double scale = Appearance::instance().scale();
+    if (scale == scale_) return;
+    // Docks grow with what stands in them, but would not shrink with it.
+    const int width = int(std::lround(outlinerDock_->width() * scale / scale_));
+    scale_ = scale;
+    QTimer::singleShot(0, this, [this, width] { window_.resizeDocks({outlinerDock_, inspectorDock_}, {width, width}, Qt::Horizontal); });
 }
 
 void StudioDocks::followActions() {

@@ -45,6 +45,7 @@ public:
     static void raise(QWidget& panel);
 
     void retranslate();
+    /// Lower bounds as large as the interface asks for; widths follow its scale.
     void takeSizes();
     /// What shows each panel in front, or hides it where it is there already; in the order of the menu.
     [[nodiscard]] const QList<QAction*>& actions() const { return actions_; }
@@ -61,6 +62,7 @@ private:
     void showTitles();
 
     QMainWindow& window_;
+    double scale_;  ///< of the interface, when docks were given their sizes
     QList<QAction*> actions_;
     std::map<QDockWidget*, QWidget*> untitled_;  ///< what stands for the title of a dock that has a tab
     OutlinerPanel* outliner_;
