@@ -12,8 +12,7 @@ constexpr double kWidth = 30.0, kHeight = 17.0, kMargin = 3.0;  // logical pixel
 
 }  // namespace
 
-Switch::Switch(QWidget* parent) : QAbstractButton(parent) {
-    setCheckable(true);
+Switch::Switch(QWidget* parent) : QCheckBox(parent) {
     setFocusPolicy(Qt::TabFocus);
     setSizePolicy(QSizePolicy::Fixed, QSizePolicy::Fixed);
     setCursor(Qt::PointingHandCursor);
