@@ -16,8 +16,8 @@
 #include "core/comparison/previous_model.h"
 #include "core/effects/smooth_joints_job.h"
 #include "core/mesh/bounds.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/congruence.h"
-#include "core/reduction/solved_body.h"
 
 namespace imomushi {
 

@@ -6,7 +6,7 @@
 
 #include "core/character/response_format.h"
 #include "core/joints/face_basis.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 namespace imomushi {
 

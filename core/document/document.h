@@ -23,7 +23,7 @@
 #include "core/joints/joint_face.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/solver_mesh_setting.h"
 #include "core/skeleton/skeleton.h"
 
 namespace imomushi {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/base/union_find.h"
 #include "core/document/attachments.h"
 #include "core/mesh/bounds.h"
@@ -36,8 +37,6 @@ bool same(const EmbeddedMesh& a, const EmbeddedMesh& b) {
                       [](const auto& p, const auto& q) { return p.element == q.element && p.index == q.index && p.onBody == q.onBody; }) &&
            sameRows(a.triangles, b.triangles) && sameRows(a.normals, b.normals) && a.model == b.model;
 }
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// #V x 3: the sum of the normals that the corners of each vertex have in the file, or else that of the areas of its triangles.
 Points outwardNormals(const ElementMesh& mesh) {

@@ -13,11 +13,11 @@
 
 #include "core/base/parallel.h"
 #include "core/base/try.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/element_statics.h"
 #include "core/reduction/held_modes.h"
 #include "core/reduction/joint_stiffness.h"
 #include "core/reduction/response_loads.h"
-#include "core/reduction/solved_body.h"
 #include "core/reduction/touch_patches.h"
 
 namespace imomushi {

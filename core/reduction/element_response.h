@@ -16,7 +16,7 @@
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/solver_mesh_setting.h"
 #include "core/reduction/touch_response.h"
 
 namespace imomushi {

@@ -8,9 +8,9 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/elasticity/boundary_problem.h"
-#include "core/reduction/appendages.h"
+#include "core/meshing/appendages.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/element_response.h"
-#include "core/reduction/solved_body.h"
 
 namespace imomushi {
 

@@ -8,7 +8,7 @@
 #include "core/joints/face_basis.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
-#include "core/reduction/solved_body.h"
+#include "core/meshing/solved_body.h"
 
 namespace imomushi {
 

@@ -10,10 +10,10 @@
 
 #include "core/elasticity/dense_lu.h"
 #include "core/elasticity/volume_problem.h"
-#include "core/reduction/appendages.h"
+#include "core/meshing/appendages.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/element_statics.h"
-#include "core/reduction/solved_body.h"
 
 namespace imomushi {
 namespace {

@@ -6,9 +6,9 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/elasticity/boundary_problem.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/held_modes.h"
-#include "core/reduction/solved_body.h"
 #include "core/reduction/touch_patches.h"
 
 namespace imomushi {

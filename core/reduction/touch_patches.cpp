@@ -8,7 +8,7 @@
 
 #include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/mesh_pieces.h"
+#include "core/meshing/mesh_pieces.h"
 
 namespace imomushi {
 namespace {

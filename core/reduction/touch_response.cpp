@@ -10,7 +10,7 @@
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_frame.h"
 #include "core/mesh/triangle_tree.h"
-#include "core/reduction/mesh_pieces.h"
+#include "core/meshing/mesh_pieces.h"
 #include "core/reduction/semidefinite_projection.h"
 
 namespace imomushi {

@@ -9,7 +9,7 @@
 #include "core/elasticity/boundary_problem.h"
 #include "core/joints/joint_face.h"
 #include "core/mesh/mesh.h"
-#include "core/reduction/solved_body.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/touch_patches.h"
 
 namespace imomushi {

@@ -6,7 +6,7 @@
 
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
-#include "core/reduction/decimation.h"
+#include "core/meshing/decimation.h"
 
 namespace imomushi {
 

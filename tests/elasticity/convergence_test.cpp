@@ -11,8 +11,8 @@
 #include "core/elasticity/boundary_problem.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/topology.h"
+#include "core/meshing/rim_layers.h"
 #include "core/reduction/element_response.h"
-#include "core/reduction/rim_layers.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;

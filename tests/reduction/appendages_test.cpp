@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/appendages.h"
+#include "core/meshing/appendages.h"
 
 #include <doctest/doctest.h>
 

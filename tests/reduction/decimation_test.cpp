@@ -12,7 +12,7 @@
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/health.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/decimation.h"
+#include "core/meshing/decimation.h"
 #include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/disc_mesh.h"
+#include "core/meshing/disc_mesh.h"
 
 #include <doctest/doctest.h>
 

@@ -10,12 +10,12 @@
 #include <stop_token>
 
 #include "core/mesh/topology.h"
-#include "core/reduction/decimation.h"
+#include "core/meshing/decimation.h"
+#include "core/meshing/solved_body.h"
 #include "core/reduction/display_mapping.h"
 #include "core/reduction/element_response.h"
 #include "core/reduction/element_statics.h"
 #include "core/reduction/held_modes.h"
-#include "core/reduction/solved_body.h"
 #include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/rim_layers.h"
+#include "core/meshing/rim_layers.h"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/mesh/health.h"
-#include "core/reduction/solved_body.h"
+#include "core/meshing/solved_body.h"
 #include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 using namespace imomushi;
 using Kind = SolverMeshSetting::Kind;

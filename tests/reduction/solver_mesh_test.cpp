@@ -7,7 +7,7 @@
 #include <map>
 
 #include "core/mesh/health.h"
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 #include "tests/reduction/faces.h"
 #include "tests/support/shapes.h"
 

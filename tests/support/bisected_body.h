@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 #include "tests/support/reference_case.h"
 
 namespace imomushi {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/volume_body.h"
+#include "core/meshing/volume_body.h"
 
 #include <algorithm>
 #include <array>

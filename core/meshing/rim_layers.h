@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 
 namespace imomushi {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/decimation.h"
+#include "core/meshing/decimation.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include "core/base/index.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/cgal/intersections.h"
-#include "core/reduction/edge_collapse.h"
+#include "core/meshing/edge_collapse.h"
 
 namespace imomushi {
 namespace {

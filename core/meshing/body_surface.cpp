@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/body_surface.h"
+#include "core/meshing/body_surface.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/mesh/topology.h"
-#include "core/reduction/decimation.h"
-#include "core/reduction/mesh_pieces.h"
+#include "core/meshing/decimation.h"
+#include "core/meshing/mesh_pieces.h"
 
 namespace imomushi {
 namespace {

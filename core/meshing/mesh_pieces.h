@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 
 namespace imomushi {
 

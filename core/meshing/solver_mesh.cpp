@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -17,8 +17,8 @@
 #include "core/mesh/edge_key.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
-#include "core/reduction/mesh_pieces.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/mesh_pieces.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 namespace imomushi {
 namespace {

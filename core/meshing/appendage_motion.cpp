@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/reduction/appendages.h"
+#include "core/meshing/appendages.h"
 
 namespace imomushi {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/solved_body.h"
+#include "core/meshing/solved_body.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "core/mesh/topology.h"
-#include "core/reduction/body_surface.h"
-#include "core/reduction/mesh_pieces.h"
-#include "core/reduction/rim_layers.h"
-#include "core/reduction/volume_body.h"
+#include "core/meshing/body_surface.h"
+#include "core/meshing/mesh_pieces.h"
+#include "core/meshing/rim_layers.h"
+#include "core/meshing/volume_body.h"
 
 namespace imomushi {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/edge_collapse.h"
 #include "core/base/index.h"
+#include "core/meshing/edge_collapse.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

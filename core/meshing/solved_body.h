@@ -11,9 +11,9 @@
 #include "core/base/result.h"
 #include "core/elasticity/tetrahedral_mesh.h"
 #include "core/joints/joint_face.h"
-#include "core/reduction/disc_mesh.h"
-#include "core/reduction/solver_mesh.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/disc_mesh.h"
+#include "core/meshing/solver_mesh.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 namespace imomushi {
 

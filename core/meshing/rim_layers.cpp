@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/rim_layers.h"
+#include "core/meshing/rim_layers.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 #include "core/mesh/solid_angle.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/mesh_pieces.h"
+#include "core/meshing/mesh_pieces.h"
 
 namespace imomushi {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 #include <array>
 #include <charconv>

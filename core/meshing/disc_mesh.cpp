@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/reduction/disc_mesh.h"
+#include "core/meshing/disc_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
-#include "core/reduction/mesh_pieces.h"
+#include "core/meshing/mesh_pieces.h"
 
 namespace imomushi {
 namespace {

@@ -6,9 +6,9 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/joints/joint_face.h"
-#include "core/reduction/body_surface.h"
-#include "core/reduction/solved_body.h"
-#include "core/reduction/solver_mesh_setting.h"
+#include "core/meshing/body_surface.h"
+#include "core/meshing/solved_body.h"
+#include "core/meshing/solver_mesh_setting.h"
 
 namespace imomushi {
 

@@ -9,9 +9,9 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/joints/joint_face.h"
-#include "core/reduction/disc_mesh.h"
-#include "core/reduction/solved_body.h"
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/disc_mesh.h"
+#include "core/meshing/solved_body.h"
+#include "core/meshing/solver_mesh.h"
 
 namespace imomushi {
 

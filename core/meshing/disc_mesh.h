@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/joints/joint_face.h"
-#include "core/reduction/solver_mesh.h"
+#include "core/meshing/solver_mesh.h"
 
 namespace imomushi {
 
