@@ -103,7 +103,7 @@ std::span<const ExportPreset> exportPresets() {
     return presets;
 }
 
-Result<ExportPlan> planExport(Session& session, const Json& arguments) {
+Result<ExportPlan> planExport(const Session& session, const Json& arguments) {
     const Document& document = session.document();
     ExportPlan plan;
     if (const Json* name = find(arguments, "preset")) {

@@ -32,7 +32,7 @@ struct ExportPlan {
 };
 
 /// `arguments`: those of the command "export", checked. Errors: those of the command that can be told before the work.
-Result<ExportPlan> planExport(Session& session, const Json& arguments);
+Result<ExportPlan> planExport(const Session& session, const Json& arguments);
 /// The work, on any thread; what the command answers. Errors: those of exportScene().
 Result<Json> runExport(const ExportPlan& plan, const Progress& progress);
 

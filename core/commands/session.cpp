@@ -223,28 +223,28 @@ void Session::cancelGesture() noexcept {
 
 // ---- the live character ------------------------------------------------------------------------------------------------
 
-Character* Session::character() {
+Character* Session::character() const {
     const auto alive = live_->built();
     return alive ? *alive : nullptr;
 }
 
-Result<Character*> Session::builtCharacter() { return live_->built(); }
+Result<Character*> Session::builtCharacter() const { return live_->built(); }
 std::shared_ptr<const BuiltCharacter> Session::releaseCharacter() { return live_->release(); }
 void Session::reuseCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->reuse(std::move(built)); }
 const CharacterPlan& Session::plan() const { return live_->plan(); }
 int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
 int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
-Result<std::vector<PoseFinding>> Session::checkPose() { return imomushi::checkPose(*live_); }
-std::vector<std::function<void()>> Session::missingWatches() {
+Result<std::vector<PoseFinding>> Session::checkPose() const { return imomushi::checkPose(*live_); }
+std::vector<std::function<void()>> Session::missingWatches() const {
     const Character* alive = character();
     return alive ? alive->missingWatches() : std::vector<std::function<void()>>();
 }
-const Pose& Session::shownPose() { return live_->shownPose(); }
-Result<Vec3> Session::positionOf(const EndpointRef& end) { return live_->positionOf(end); }
-Result<HandlePose> Session::poseOf(const FaceRef& handle) { return live_->poseOf(handle); }
-Points Session::positionsOf(PartId element) { return live_->positionsOf(element); }
-Points Session::renderPositionsOf(PartId character) { return live_->renderPositionsOf(character); }
-bool Session::moving() { return live_->moving(); }
+const Pose& Session::shownPose() const { return live_->shownPose(); }
+Result<Vec3> Session::positionOf(const EndpointRef& end) const { return live_->positionOf(end); }
+Result<HandlePose> Session::poseOf(const FaceRef& handle) const { return live_->poseOf(handle); }
+Points Session::positionsOf(PartId element) const { return live_->positionsOf(element); }
+Points Session::renderPositionsOf(PartId character) const { return live_->renderPositionsOf(character); }
+bool Session::moving() const { return live_->moving(); }
 
 void Session::stepFrame(double seconds) {
     const auto& met = document().effects[EffectKind::Contact].elements;

@@ -67,6 +67,7 @@ public:
 
     // ---- responses: see DocumentResponses
     DocumentResponses& responses() { return responses_; }
+    [[nodiscard]] const DocumentResponses& responses() const { return responses_; }
     using ResponseState = imomushi::ResponseState;
     using SharedResponse = imomushi::SharedResponse;
     [[nodiscard]] ResponseState responseState(PartId element) const { return responses_.stateOf(element); }
@@ -77,10 +78,11 @@ public:
     [[nodiscard]] EffectCost effectCost(EffectKind effect) const { return responses_.costOf(effect); }
 
     // ---- the live character: see LiveCharacter
+    // Questions build the character where it is not the document's any more.
     /// Null: there is none, or it cannot be built.
-    Character* character();
+    Character* character() const;
     /// Null: there are no elements and no bones. Errors: those of LiveCharacter::built().
-    Result<Character*> builtCharacter();
+    Result<Character*> builtCharacter() const;
     /// See LiveCharacter::release() and reuse(): a character that another session built beside this one.
     [[nodiscard]] std::shared_ptr<const BuiltCharacter> releaseCharacter();
     void reuseCharacter(std::shared_ptr<const BuiltCharacter> built);
@@ -88,16 +90,16 @@ public:
     [[nodiscard]] const CharacterPlan& plan() const;
     [[nodiscard]] int elementIndex(PartId element) const;        ///< in character(), -1: none
     [[nodiscard]] int pointIndex(const EndpointRef& end) const;  ///< joint point in the skeleton, -1: none
-    const Pose& shownPose();
+    const Pose& shownPose() const;
     /// See pose_check.h. Errors: those of LiveCharacter::built().
-    Result<std::vector<PoseFinding>> checkPose();
+    Result<std::vector<PoseFinding>> checkPose() const;
     /// What checkPose() would make first: see Character::missingWatches().
-    std::vector<std::function<void()>> missingWatches();
-    Result<Vec3> positionOf(const EndpointRef& end);
-    Result<HandlePose> poseOf(const FaceRef& handle);
-    [[nodiscard]] Points positionsOf(PartId element);
-    [[nodiscard]] Points renderPositionsOf(PartId character);
-    bool moving();
+    std::vector<std::function<void()>> missingWatches() const;
+    Result<Vec3> positionOf(const EndpointRef& end) const;
+    Result<HandlePose> poseOf(const FaceRef& handle) const;
+    [[nodiscard]] Points positionsOf(PartId element) const;
+    [[nodiscard]] Points renderPositionsOf(PartId character) const;
+    bool moving() const;
     /// Advances by one frame (s). What "step" does `frames` times.
     void stepFrame(double seconds);
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;

@@ -189,12 +189,12 @@ AccuracySetting presentSetting(const Document& document) {
     return out;
 }
 
-Result<ReferenceInput> studiedCharacter(Session& session) {
+Result<ReferenceInput> studiedCharacter(const Session& session) {
     IMOMUSHI_TRY(auto plain, plainCharacter(session));
     return std::move(plain.reference);
 }
 
-Result<StudyInput> studyInput(Session& session) {
+Result<StudyInput> studyInput(const Session& session) {
     IMOMUSHI_TRY(auto plain, plainCharacter(session));
     StudyInput out;
     out.present = presentSetting(session.document());
@@ -208,7 +208,7 @@ Result<StudyInput> studyInput(Session& session) {
     return out;
 }
 
-Result<PoseErrorInput> poseErrorInput(Session& session) {
+Result<PoseErrorInput> poseErrorInput(const Session& session) {
     IMOMUSHI_TRY(auto plain, plainCharacter(session));
     PoseErrorInput out{std::move(plain.reference), {}};
     out.shown = out.reference.character;

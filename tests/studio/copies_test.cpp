@@ -66,11 +66,11 @@ TEST_CASE("studio: a project that is dropped on another one is added beside it o
     w.shoot("added-project");
     w.trigger("undo");
     CHECK(w.now().elements.size() == 1);
-    w.document().session().execute({{"do", "new"}});
+    (void)w.document().execute({{"do", "new"}});
     w.window().files().drop({kSample});  // nothing is lost: nobody is asked
     CHECK(w.now().elements.size() == 5);
     // Of several the first is opened, the others are added.
-    w.document().session().execute({{"do", "new"}});
+    (void)w.document().execute({{"do", "new"}});
     w.window().files().drop({kSample, kSample, kSample});
     CHECK(w.now().elements.size() == 15);
     CHECK(w.document().session().path() == std::filesystem::path(kSample.toStdString()));

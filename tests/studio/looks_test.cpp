@@ -49,7 +49,7 @@ void tour(Window& w, const Look& look, const QString& mesh) {
     MainWindow& window = w.window();
     window.resize(look.size);
     window.move(0, 0);
-    w.document().session().execute({{"do", "new"}});
+    (void)w.document().execute({{"do", "new"}});
     window.showStart(true);
     for (auto* dock : {"accuracyDock", "takesDock"}) window.findChild<QDockWidget*>(QLatin1String(dock))->hide();
     keep(w, look, "start", window);

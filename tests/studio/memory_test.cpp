@@ -63,7 +63,7 @@ TEST_CASE(
     for (const auto fails : {FailingNew::Fails::Once, FailingNew::Fails::FromThenOn})
         for (long n = 1;; n += std::max(1L, n / 2)) {
             CAPTURE(n);
-            (void)w.document().session().releaseCharacter();  // it is built again, while the view is painted
+            (void)w.document().releaseCharacter();  // it is built again, while the view is painted
             const int before = w.told;
             bool failed = false;
             QImage picture;
@@ -146,7 +146,7 @@ TEST_CASE(
     });
     {
         Gesture gesture(w.document());
-        REQUIRE(w.document().session().execute(
+        REQUIRE(w.document().execute(
             {{"do", "set"}, {"target", w.now().elements.begin()->second->name}, {"property", "nu"}, {"value", 0.4}}));
         heard.clear();
         runsOut = true;

@@ -57,7 +57,7 @@ TEST_CASE("studio: two mouse actions lead from the start of the program to a ben
         waitFor([&] { return !w.window().startShown() && !w.now().bones.empty() && w.view().isVisible(); });
         w.cameraStands();
 
-        Session& session = w.document().session();
+        const Session& session = w.document().session();
         const auto at = [&](const char* end) { return *session.positionOf(*w.now().endpoint(end)); };
         const auto elbow = [&] {
             const Vec3 upper = at("upper-arm-bone.L/end") - at("upper-arm-bone.L/start"), lower = at("lower-arm-bone.L/end") - at("lower-arm-bone.L/start");

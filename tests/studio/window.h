@@ -149,7 +149,7 @@ public:
         w.deck().stopRecording();
         w.deck().setPlaying(false);
         w.deck().leave();
-        w.document().session().execute({{"do", "new"}});
+        (void)w.document().execute({{"do", "new"}});
         for (const char* off : {"loop", "count-in", "orthographic", "bodies", "xray", "soft-at-once", "passing-handles"})
             if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();
         for (const char* on : {"bones", "grid"})

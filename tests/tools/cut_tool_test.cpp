@@ -23,7 +23,7 @@ TriangleMesh limb() {
 
 /// The limb as a whole character "worm" with the element "worm body".
 void addWorm(ToolStage& stage) {
-    stage.session().services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    stage.made->services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         const TriangleMesh mesh = limb();
         CharacterFile file;
         file.format = "obj";

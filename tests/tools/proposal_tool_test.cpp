@@ -14,7 +14,7 @@ namespace {
 
 /// A limb of 6 m along x, of radius 0.5, with an even surface but for its ends; the character "eel".
 void addEel(ToolStage& stage) {
-    stage.session().services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    stage.made->services().importCharacter = [](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 24, 30).mesh;
         mesh.vertices = Points(mesh.vertices * (Eigen::Matrix3d() << 0, 0, -1, 0, 1, 0, 1, 0, 0).finished());  // z -> x
         mesh.vertices.col(0).array() -= 3.0;

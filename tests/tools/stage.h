@@ -29,7 +29,7 @@ struct ToolStage {
         addCoreCommands(registry);
         addReportCommands(registry);
         made.emplace(registry);
-        session().services().import = [this](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
+        made->services().import = [this](const ImportRequest& request, const Progress&) -> Result<ImportResult> {
             ImportedBody body;
             body.name = request.path.stem().string();
             body.mesh.body = bodies.at(body.name);
@@ -47,7 +47,7 @@ struct ToolStage {
     }
 
     StudioDocument& document() { return *made; }
-    Session& session() { return made->session(); }
+    const Session& session() { return made->session(); }
     const Document& now() { return made->document(); }
     int steps() { return session().position(); }
 

@@ -66,7 +66,7 @@ void Autosave::saveSoon() {
         lock_ = FileLock::take(lockOf(file_).toStdString());
     }
     auto result = std::make_shared<Result<void>>();
-    const auto project = std::make_shared<const Project>(document_.session().project());
+    const auto project = std::make_shared<const Project>(document_.project());
     const QByteArray original = QByteArray::fromStdString(document_.session().path().string()) + '\n' + (takenUp_ ? QFileInfo(takenUp_->file).fileName().toUtf8() : QByteArray());
     launch(
         [result, project, original, file = file_](const Progress& progress) {

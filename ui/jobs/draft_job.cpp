@@ -65,7 +65,7 @@ bool DraftJob::wants(PartId id) const {
 
 void DraftJob::start() {
     if (running()) return;  // asks again when it is done
-    DocumentResponses& responses = document_.session().responses();
+    DocumentResponses& responses = document_.responses();
     auto work = std::make_shared<Work>();
     std::vector<std::pair<PartId, StoredResponse>> known;
     for (const auto& [id, element] : document_.document().elements) {
@@ -128,7 +128,7 @@ void DraftJob::takeDone() {
 }
 
 void DraftJob::bring(const std::vector<std::pair<PartId, StoredResponse>>& made) {
-    DocumentResponses& responses = document_.session().responses();
+    DocumentResponses& responses = document_.responses();
     std::vector<std::pair<PartId, StoredResponse>> fitting;
     for (const auto& one : made)
         if (document_.document().elements.contains(one.first) && responses.shapeOf(one.first) == one.second.shape && !responses.fittingOf(one.first)) fitting.push_back(one);

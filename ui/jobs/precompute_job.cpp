@@ -59,7 +59,7 @@ PrecomputeJob::PrecomputeJob(StudioDocument& document, QObject* parent) : Backgr
 bool PrecomputeJob::start() {
     if (running()) return true;
     auto work = std::make_shared<Work>();
-    Session& session = document_.session();
+    const Session& session = document_.session();
     std::map<PartId, const Item*> items;
     for (const auto& [id, element] : document_.document().elements) {
         if (!needsPrecompute(document_, *element)) continue;
@@ -137,7 +137,7 @@ void PrecomputeJob::keep(const Work& work) {
             Q_EMIT elementFailed(item.name, errorText(item.error));
             continue;
         }
-        document_.session().responses().insert(item.key, item.response, item.how != nullptr);
+        document_.responses().insert(item.key, item.response, item.how != nullptr);
         // The command finds the result in the store; an element that changed meanwhile would be computed here and now: leave it.
         const auto& parts = document_.document().elements;
         const auto found = parts.find(item.element);

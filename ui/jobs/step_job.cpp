@@ -5,7 +5,7 @@
 
 namespace imomushi {
 
-void StepJob::start(Session& session, const Json& command, std::function<void(Session&)> arrange) {
+void StepJob::start(const Session& session, const Json& command, std::function<void(Session&)> arrange) {
     result_ = nullptr;
     auto box = std::make_shared<std::shared_ptr<const Result<PreparedStep>>>();
     launch([box, &registry = session.registry(), project = session.project(), command, arrange = std::move(arrange)](

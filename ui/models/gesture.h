@@ -13,14 +13,14 @@ namespace imomushi {
 class Gesture {
 public:
     explicit Gesture(StudioDocument& document) : document_(&document), outer_(document.gestures_++ == 0) {
-        if (outer_) document.session().beginGesture();
+        if (outer_) document.session_.beginGesture();
     }
     ~Gesture() {
         if (!document_) return;
         --document_->gestures_;
         if (!outer_) return;
         attempt([this] { Q_EMIT document_->changing(); });
-        document_->session().cancelGesture();
+        document_->session_.cancelGesture();
         attempt([this] { Q_EMIT document_->changeDone(); });
     }
     Gesture(const Gesture&) = delete;
@@ -30,7 +30,7 @@ public:
     void commit(const Session::Step& named = {}) {
         StudioDocument* document = std::exchange(document_, nullptr);
         --document->gestures_;
-        if (outer_) document->session().endGesture(named);
+        if (outer_) document->session_.endGesture(named);
     }
 
 private:

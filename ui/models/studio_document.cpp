@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/commands/prepared_step.h"
 #include "core/document/document_change.h"
 #include "ui/models/failures.h"
 #include "ui/models/paths.h"
@@ -89,6 +90,15 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));
     return answer;
 }
+
+Result<Json> StudioDocument::executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step) {
+    session_.setPrepared(std::move(step));
+    auto answer = execute(command);
+    session_.setPrepared(nullptr);
+    return answer;
+}
+
+Project StudioDocument::project() { return session_.project(); }
 
 void StudioDocument::stepFrame(double seconds) {
     QElapsedTimer work;

@@ -30,11 +30,24 @@ public:
     /// `store`: of responses, see Session.
     explicit StudioDocument(const CommandRegistry& registry, std::shared_ptr<ResponseStore> store = nullptr, QObject* parent = nullptr);
 
-    [[nodiscard]] Session& session() { return session_; }
+    /// For questions. What changes the document goes through execute() and Gesture.
+    [[nodiscard]] const Session& session() const { return session_; }
     [[nodiscard]] const Document& document() const { return session_.document(); }
 
     /// Runs one command on this thread. On failure emits failed() unless `quiet`.
     Result<Json> execute(const Json& command, bool quiet = false);
+
+    /// The same of a command whose work was done beside the window.
+    Result<Json> executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step);
+    /// What slow commands ask for; the studio answers from what was done beside the window.
+    [[nodiscard]] Services& services() { return session_.services(); }
+    /// Derived from the document; jobs put there what they solved.
+    [[nodiscard]] DocumentResponses& responses() { return session_.responses(); }
+    void reuseCharacter(std::shared_ptr<const BuiltCharacter> built) { session_.reuseCharacter(std::move(built)); }
+    [[nodiscard]] std::shared_ptr<const BuiltCharacter> releaseCharacter() { return session_.releaseCharacter(); }
+    [[nodiscard]] Project project();  ///< what is saved
+    void setHistoryDepth(int steps) { session_.setHistoryDepth(steps); }
+    void setVersionLimits(const VersionLimits& limits) { session_.setVersionLimits(limits); }
 
     /// Several commands are becoming one step (see Gesture): whatever makes another waits.
     [[nodiscard]] bool inGesture() const { return gestures_ > 0; }

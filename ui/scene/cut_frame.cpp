@@ -16,7 +16,7 @@ constexpr double kReach = 0.08;
 
 }  // namespace
 
-std::optional<CutFrame> cutFrame(Session& session, PartId id) {
+std::optional<CutFrame> cutFrame(const Session& session, PartId id) {
     const Document& document = session.document();
     const CharacterSource* character = nullptr;
     for (const auto& [key, source] : document.characters)

@@ -25,6 +25,6 @@ struct CutFrame {
 };
 
 /// None: there is no such cut.
-std::optional<CutFrame> cutFrame(Session& session, PartId cut);
+std::optional<CutFrame> cutFrame(const Session& session, PartId cut);
 
 }  // namespace imomushi

@@ -66,7 +66,7 @@ DocumentScene::ElementParts& DocumentScene::parts(const std::shared_ptr<const El
     return p;
 }
 
-void DocumentScene::update(Session& session, const SceneOptions& options, render::Scene& scene) {
+void DocumentScene::update(const Session& session, const SceneOptions& options, render::Scene& scene) {
     const Document& document = session.document();
     scene.bodies.clear();
     scene.seams.clear();
@@ -121,7 +121,7 @@ void DocumentScene::update(Session& session, const SceneOptions& options, render
     addCuts(session, options, scene);
 }
 
-void DocumentScene::addBody(Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const {
+void DocumentScene::addBody(const Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const {
     render::Body& body = scene.bodies.emplace_back();
     const std::uint64_t item = sceneId({ScenePart::Kind::Element, element.id, -1, false});
     body.id = element.piece ? sceneId({ScenePart::Kind::Body, element.id, -1, false}) : item;
@@ -214,7 +214,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
     }
 }
 
-void DocumentScene::addBones(Session& session, const SceneOptions& options, render::Scene& scene) const {
+void DocumentScene::addBones(const Session& session, const SceneOptions& options, render::Scene& scene) const {
     const Document& document = session.document();
     const Character* character = session.character();
     const Pose& pose = session.shownPose();
@@ -268,7 +268,7 @@ void DocumentScene::addBones(Session& session, const SceneOptions& options, rend
     }
 }
 
-void DocumentScene::addHandles(Session& session, const SceneOptions& options, render::Scene& scene) {
+void DocumentScene::addHandles(const Session& session, const SceneOptions& options, render::Scene& scene) {
     const Document& document = session.document();
     for (const auto& [id, element] : document.elements) {
         if (!element->visible) continue;

@@ -56,7 +56,7 @@ public:
     /// Sets bodies, seams, markers and ground of `scene` to the session's present state; leaves camera, theme and the rest alone.
     /// Surfaces are pointed to, not copied: draw before the session changes again. Who deforms an element is decided here, and holds from the session's next
     /// frame on.
-    void update(Session& session, const SceneOptions& options, render::Scene& scene);
+    void update(const Session& session, const SceneOptions& options, render::Scene& scene);
 
 private:
     /// What is known of an element until it is replaced by a changed one.
@@ -86,15 +86,15 @@ private:
     };
     ElementParts& parts(const std::shared_ptr<const Element>& element, const std::vector<int>& coveredFaces);
     /// Adds the body of an element as it is shown now, drawn from `scene.deformInput` where that may be.
-    void addBody(Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const;
+    void addBody(const Session& session, const Element& element, ElementParts& p, const SceneOptions& options, render::Scene& scene) const;
     void addSeams(const Document& document, render::Scene& scene);
     // document_scene_characters.cpp
-    void addRenderMeshes(Session& session, const SceneOptions& options, render::Scene& scene);
+    void addRenderMeshes(const Session& session, const SceneOptions& options, render::Scene& scene);
     void addMarked(const SeenMesh& seen, CharacterParts& of, const MarkedPlace& marked, std::size_t firstBody, const std::vector<std::size_t>& partOf, render::Scene& scene);
-    void addCuts(Session& session, const SceneOptions& options, render::Scene& scene);
-    void addBones(Session& session, const SceneOptions& options, render::Scene& scene) const;
+    void addCuts(const Session& session, const SceneOptions& options, render::Scene& scene);
+    void addBones(const Session& session, const SceneOptions& options, render::Scene& scene) const;
     void addFaces(const Document& document, const SceneOptions& options, render::Scene& scene);
-    static void addHandles(Session& session, const SceneOptions& options, render::Scene& scene);
+    static void addHandles(const Session& session, const SceneOptions& options, render::Scene& scene);
     std::map<PartId, ElementParts> parts_;
     std::map<PartId, CharacterParts> characters_;
     std::map<std::pair<FaceRef, FaceRef>, Weld> welds_;

@@ -21,7 +21,7 @@ void gather(const float* from, const std::vector<std::int32_t>& which, std::vect
 
 }  // namespace
 
-void DocumentScene::addRenderMeshes(Session& session, const SceneOptions& options, render::Scene& scene) {
+void DocumentScene::addRenderMeshes(const Session& session, const SceneOptions& options, render::Scene& scene) {
     const Document& document = session.document();
     for (SeenMesh& seen : seenMeshes(session, scene.deformInput)) {
         const bool unmade = seen.index >= 0 && !seen.surface.positions;
@@ -104,7 +104,7 @@ void DocumentScene::addMarked(const SeenMesh& seen, CharacterParts& of, const Ma
     scene.markers.push_back(std::move(point));
 }
 
-void DocumentScene::addCuts(Session& session, const SceneOptions& options, render::Scene& scene) {
+void DocumentScene::addCuts(const Session& session, const SceneOptions& options, render::Scene& scene) {
     for (const auto& [id, character] : session.document().characters)
         for (const Cut& cut : character->cuts) {
             const std::uint64_t item = sceneId({ScenePart::Kind::Cut, cut.id, -1, false});

@@ -10,7 +10,7 @@ struct PosedBody {
     const float* posed = nullptr;
     const TriangleMesh* rest = nullptr;
 
-    PosedBody(Session& session, PartId id, const Element& element) : rest(&element.mesh->body) {
+    PosedBody(const Session& session, PartId id, const Element& element) : rest(&element.mesh->body) {
         Character* character = session.character();
         const int index = session.elementIndex(id);
         if (!character || index < 0) return;

@@ -72,7 +72,7 @@ PartId SeenMesh::elementOf(std::int32_t triangle) const {
     return b == c ? b : a;
 }
 
-std::vector<SeenMesh> seenMeshes(Session& session, const DeformInput* drawnFrom) {
+std::vector<SeenMesh> seenMeshes(const Session& session, const DeformInput* drawnFrom) {
     std::vector<SeenMesh> all;
     Character* character = session.character();
     const CharacterPlan& plan = session.plan();

@@ -29,7 +29,7 @@ struct SeenMesh {
 };
 
 /// Those of all characters. drawnFrom: whoever draws from it makes the surfaces of meshes whose elements it deforms; these have no positions here.
-std::vector<SeenMesh> seenMeshes(Session& session, const DeformInput* drawnFrom = nullptr);
+std::vector<SeenMesh> seenMeshes(const Session& session, const DeformInput* drawnFrom = nullptr);
 
 /// What is seen of one element of a character, as a mesh of its own.
 struct RenderPart {

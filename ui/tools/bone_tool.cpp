@@ -96,7 +96,7 @@ bool BoneTool::stillThere(const Spot& spot) const {
 }
 
 std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
-    Session& session = document_.session();
+    const Session& session = document_.session();
     const Document& d = document_.document();
     PointerEvent seen = e;
     seen.bonesVisible = true;  // this tool shows them

@@ -213,7 +213,7 @@ void FaceTool::placePlane(const RayHit& hit) {
             plane.origin = across->origin;
             plane.normal = across->normal;
         }
-    Session& session = document_.session();
+    const Session& session = document_.session();
     const int index = session.elementIndex(hit.element);
     Character* character = session.character();
     const Eigen::Quaterniond turn = character && index >= 0 ? Eigen::Quaterniond(character->frame(index).linear()) : Eigen::Quaterniond::Identity();

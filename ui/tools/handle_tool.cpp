@@ -85,7 +85,7 @@ std::optional<std::string> HandleTool::make(const Element& of) {
 
 void HandleTool::move(const PointerEvent& e) {
     if (busy()) return pose_.move(e);
-    Session& session = document_.session();
+    const Session& session = document_.session();
     grip_ = pickGrip(session, e);
     document_.setHovered(grip_ ? std::optional(grip_->item()) : std::nullopt);
     preview(grip_ ? std::nullopt : surfaceUnder(session, e));

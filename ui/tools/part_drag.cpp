@@ -34,7 +34,7 @@ Eigen::Matrix4d motionOf(const SeenMesh& seen, const std::vector<std::int32_t>& 
 }  // namespace
 
 std::optional<PartDrag::Grip> PartDrag::grip(const PointerEvent& e) const {
-    Session& session = document_.session();
+    const Session& session = document_.session();
     if (document_.document().characters.empty()) return std::nullopt;
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
     if (hits.empty() || hits.front().character == 0) return std::nullopt;

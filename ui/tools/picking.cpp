@@ -24,7 +24,7 @@
 namespace imomushi {
 namespace {
 
-const Vec3* skeletonPoint(Session& session, const EndpointRef& end) {
+const Vec3* skeletonPoint(const Session& session, const EndpointRef& end) {
     Character* character = session.character();
     const int index = session.pointIndex(end);
     if (!character || index < 0) return nullptr;
@@ -98,7 +98,7 @@ Vec3 weighted(const Vec3& weight, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 /// What a crossing with the render mesh is on the body of the element: the nearest point of its skin, on the side that the render triangle faces if that is about
 /// as near.
-RayHit onBody(Session& session, const Element& element, const TriangleTree& tree, const Vec3& rest, const Vec3& restNormal) {
+RayHit onBody(const Session& session, const Element& element, const TriangleTree& tree, const Vec3& rest, const Vec3& restNormal) {
     constexpr double kFacing = 2.0;  // times as far at most
     const TriangleMesh& mesh = element.mesh->body;
     auto near = tree.nearest(rest);
@@ -127,7 +127,7 @@ std::unique_ptr<TriangleTree> skinOf(const Element& element) {
     return skin.empty() ? nullptr : std::make_unique<TriangleTree>(mesh, std::move(skin));
 }
 
-void addSeenHits(Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
+void addSeenHits(const Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
     const auto& elements = session.document().elements;
     std::map<PartId, std::unique_ptr<TriangleTree>> skins;
     std::vector<std::int32_t> triangles;
@@ -168,7 +168,7 @@ void preparePicking(const Document& document) {
     });
 }
 
-std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
+std::vector<RayHit> rayHits(const Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
     std::vector<RayHit> hits;
     std::vector<std::int32_t> triangles;
     for (const auto& [id, element] : session.document().elements) {
@@ -196,7 +196,7 @@ std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3&
     return hits;
 }
 
-std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e) {
+std::optional<RayHit> surfaceUnder(const Session& session, const PointerEvent& e) {
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
     const auto first = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
     return first == hits.end() ? std::nullopt : std::optional(*first);
@@ -213,12 +213,12 @@ std::optional<Vec3> endpointRestPosition(const Document& document, const Endpoin
     return position ? std::optional(*position) : std::nullopt;
 }
 
-std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end) {
+std::optional<Vec3> endpointPosition(const Session& session, const EndpointRef& end) {
     if (const Vec3* point = skeletonPoint(session, end)) return *point;
     return endpointRestPosition(session.document(), end);
 }
 
-std::optional<Vec3> facePosition(Session& session, const FaceRef& ref) {
+std::optional<Vec3> facePosition(const Session& session, const FaceRef& ref) {
     const auto found = session.document().elements.find(ref.element);
     if (found == session.document().elements.end()) return std::nullopt;
     const Element& element = *found->second;
@@ -240,7 +240,7 @@ std::optional<Vec3> facePosition(Session& session, const FaceRef& ref) {
     return area > 0.0 ? Vec3(sum / area) : face.frame.origin;
 }
 
-std::vector<std::vector<Vec3>> rimOf(Session& session, PartId id, const std::vector<std::int32_t>& triangles) {
+std::vector<std::vector<Vec3>> rimOf(const Session& session, PartId id, const std::vector<std::int32_t>& triangles) {
     std::vector<std::vector<Vec3>> loops;
     const auto found = session.document().elements.find(id);
     if (found == session.document().elements.end()) return loops;
@@ -252,7 +252,7 @@ std::vector<std::vector<Vec3>> rimOf(Session& session, PartId id, const std::vec
     return loops;
 }
 
-EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {
+EndpointRef holdingEndpoint(const Session& session, const EndpointRef& end) {
     const int point = session.pointIndex(end);
     if (point < 0) return end;
     for (const auto& [held, value] : session.document().goals)
@@ -263,7 +263,7 @@ EndpointRef holdingEndpoint(Session& session, const EndpointRef& end) {
     return end;
 }
 
-std::vector<EndpointRef> endpointsUnder(Session& session, const PointerEvent& e, double pixels) {
+std::vector<EndpointRef> endpointsUnder(const Session& session, const PointerEvent& e, double pixels) {
     constexpr double kAsNear = 4.0;  // pixels that a hand does not tell apart
     struct Near {
         double rank, depth;
@@ -282,12 +282,12 @@ std::vector<EndpointRef> endpointsUnder(Session& session, const PointerEvent& e,
     return ends;
 }
 
-std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels) {
+std::optional<EndpointRef> pickEndpoint(const Session& session, const PointerEvent& e, double pixels) {
     const auto ends = endpointsUnder(session, e, pixels);
     return ends.empty() ? std::nullopt : std::optional(ends[std::size_t(e.behind) % ends.size()]);
 }
 
-std::optional<Vec3> gripPosition(Session& session, const PoseGrip& grip) {
+std::optional<Vec3> gripPosition(const Session& session, const PoseGrip& grip) {
     if (!grip.isHandle()) return endpointPosition(session, grip.end);
     const auto pose = session.poseOf(grip.handle);
     return pose ? std::optional(pose->at) : std::nullopt;
@@ -309,7 +309,7 @@ bool hasHandles(const Document& document) {
 }
 
 /// hits: of the ray of the pointer.
-std::optional<FaceRef> handleAmong(Session& session, const PointerEvent& e, double pixels, const std::vector<RayHit>& hits) {
+std::optional<FaceRef> handleAmong(const Session& session, const PointerEvent& e, double pixels, const std::vector<RayHit>& hits) {
     const auto& elements = session.document().elements;
     if (!hits.empty()) {
         const Element& element = *elements.at(hits.front().element);
@@ -335,18 +335,18 @@ std::optional<FaceRef> handleAmong(Session& session, const PointerEvent& e, doub
 
 }  // namespace
 
-std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels) {
+std::optional<FaceRef> pickHandle(const Session& session, const PointerEvent& e, double pixels) {
     if (!hasHandles(session.document())) return std::nullopt;
     return handleAmong(session, e, pixels, rayHits(session, e.rayOrigin, e.rayDirection));
 }
 
-std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e) {
+std::optional<PoseGrip> pickGrip(const Session& session, const PointerEvent& e) {
     if (const auto end = pickEndpoint(session, e)) return PoseGrip{*end, {}};
     if (const auto handle = pickHandle(session, e)) return PoseGrip{{}, *handle};
     return std::nullopt;
 }
 
-std::optional<PoseGrip> nearestGrip(Session& session, PartId id, const Vec3& place) {
+std::optional<PoseGrip> nearestGrip(const Session& session, PartId id, const Vec3& place) {
     std::optional<PoseGrip> best;
     std::pair<bool, double> nearest;  // a handle that is pinned holds the body: it comes last
     const auto offer = [&](const PoseGrip& grip) {
@@ -366,7 +366,7 @@ std::optional<PoseGrip> nearestGrip(Session& session, PartId id, const Vec3& pla
     return best;
 }
 
-HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace& patch) {
+HandlePose poseOfFlesh(const Session& session, const Element& element, const JointFace& patch) {
     const PosedBody body(session, element.id, element);
     const auto count = Eigen::Index(patch.vertices.size());
     Eigen::Matrix3Xd rest(3, count), now(3, count);
@@ -383,7 +383,7 @@ HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace
     return pose;
 }
 
-std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
+std::optional<SelectionItem> pickItem(const Session& session, const PointerEvent& e) {
     if (e.bonesVisible) {
         if (const auto end = pickEndpoint(session, e)) return SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd};
         double nearest = kBonePixels;
@@ -408,7 +408,7 @@ std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e) {
     return SelectionItem{SelectionItem::Kind::Element, hit.element, {}, false};
 }
 
-std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e) {
+std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent& e) {
     struct Near {
         double pixels, depth, reach;
         PartId cut;
@@ -432,7 +432,7 @@ std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e) {
     return best == near.end() ? std::nullopt : std::optional(SelectionItem{SelectionItem::Kind::Cut, best->cut, {}, false});
 }
 
-std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box) {
+std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box) {
     std::vector<SelectionItem> items;
     if (view.bonesVisible)
         for (const auto& [id, bone] : session.document().bones) {
@@ -481,7 +481,7 @@ std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {
     return sceneId(part);
 }
 
-std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& items) {
+std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionItem>& items) {
     std::vector<Vec3> points;
     const Document& d = session.document();
     const auto addEnd = [&](const EndpointRef& end) {

@@ -35,10 +35,10 @@ struct RayHit {
 void preparePicking(const Document& document);
 
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
-std::vector<RayHit> rayHits(Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
+std::vector<RayHit> rayHits(const Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
 
 /// The surface under the pointer, seen from outside; none: there is none.
-std::optional<RayHit> surfaceUnder(Session& session, const PointerEvent& e);
+std::optional<RayHit> surfaceUnder(const Session& session, const PointerEvent& e);
 
 /// The joint face of an element that a triangle belongs to; null: none.
 const JointFace* faceOfTriangle(const Element& element, std::int32_t triangle);
@@ -55,7 +55,7 @@ struct PoseGrip {
     bool operator==(const PoseGrip&) const = default;
 };
 /// Where it is now; none: the reference leads nowhere.
-std::optional<Vec3> gripPosition(Session& session, const PoseGrip& grip);
+std::optional<Vec3> gripPosition(const Session& session, const PoseGrip& grip);
 /// What commands call it.
 std::string pathOf(const Document& document, const PoseGrip& grip);
 bool isPinned(const Document& document, const PoseGrip& grip);
@@ -63,48 +63,48 @@ bool isPinned(const Document& document, const PoseGrip& grip);
 bool isHeld(const Document& document, const PoseGrip& grip);
 
 /// Where an end of a bone is now (posed), or at rest; none: the reference leads nowhere.
-std::optional<Vec3> endpointPosition(Session& session, const EndpointRef& end);
+std::optional<Vec3> endpointPosition(const Session& session, const EndpointRef& end);
 std::optional<Vec3> endpointRestPosition(const Document& document, const EndpointRef& end);
 /// Where the centre of a joint face is now (posed).
-std::optional<Vec3> facePosition(Session& session, const FaceRef& face);
+std::optional<Vec3> facePosition(const Session& session, const FaceRef& face);
 
 /// The rim of a patch of an element as closed polylines, posed.
-std::vector<std::vector<Vec3>> rimOf(Session& session, PartId element, const std::vector<std::int32_t>& triangles);
+std::vector<std::vector<Vec3>> rimOf(const Session& session, PartId element, const std::vector<std::int32_t>& triangles);
 
 /// The ends of bones within `pixels` of the pointer, one for each joint point: the nearest first, and of those about as near the one in front. Of several ends at one
 /// joint point it is the one that is held already, then the end (not the start) of the oldest bone.
-std::vector<EndpointRef> endpointsUnder(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+std::vector<EndpointRef> endpointsUnder(const Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
 /// The one of them that is meant: the first, or as many later as `e.behind` says.
-std::optional<EndpointRef> pickEndpoint(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+std::optional<EndpointRef> pickEndpoint(const Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
 
 /// The handle under the pointer: one whose disc is seen there, or whose middle is within `pixels` of it and not behind a body.
-std::optional<FaceRef> pickHandle(Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
+std::optional<FaceRef> pickHandle(const Session& session, const PointerEvent& e, double pixels = kEndpointPixels);
 /// Whichever of both is under the pointer, ends of bones first.
-std::optional<PoseGrip> pickGrip(Session& session, const PointerEvent& e);
+std::optional<PoseGrip> pickGrip(const Session& session, const PointerEvent& e);
 /// The end of a bone through the element, or the handle of it, that is nearest to a place of the flesh as it is posed.
 /// A pinned handle only where there is nothing else.
-std::optional<PoseGrip> nearestGrip(Session& session, PartId element, const Vec3& place);
+std::optional<PoseGrip> nearestGrip(const Session& session, PartId element, const Vec3& place);
 
 /// How the flesh of a patch of an element lies now: the rigid motion nearest to those of its vertices, in the world.
-HandlePose poseOfFlesh(Session& session, const Element& element, const JointFace& patch);
+HandlePose poseOfFlesh(const Session& session, const Element& element, const JointFace& patch);
 
 /// Another reference to the same joint point that is to be preferred for holding it.
-EndpointRef holdingEndpoint(Session& session, const EndpointRef& end);
+EndpointRef holdingEndpoint(const Session& session, const EndpointRef& end);
 
 /// What lies under the pointer: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
-std::optional<SelectionItem> pickItem(Session& session, const PointerEvent& e);
+std::optional<SelectionItem> pickItem(const Session& session, const PointerEvent& e);
 
 /// The cut whose rim is under the pointer and not behind a body.
-std::optional<SelectionItem> pickCut(Session& session, const PointerEvent& e);
+std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent& e);
 
 /// Everything that a box over the viewport touches: bones, where they are shown, and then visible, unlocked elements.
-std::vector<SelectionItem> itemsWithin(Session& session, const PointerEvent& view, const QRectF& box);
+std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box);
 
 /// The id of a selected part in every scene; 0: it is not there any more.
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);
 
 /// Points that a view of these parts must show: body vertices and ends of bones, m, world, posed.
-std::vector<Vec3> pointsOf(Session& session, const std::vector<SelectionItem>& items);
+std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionItem>& items);
 
 /// The body of an element in a scene that is being put together; null: it is hidden, or under a render mesh.
 render::Body* bodyOf(render::Scene& scene, const Element& element);

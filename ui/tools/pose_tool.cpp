@@ -36,14 +36,14 @@ Vec3 dragPlane(const PointerEvent& e, int axis) {
 }  // namespace
 
 std::optional<PoseGrip> PoseTool::gripUnder(const PointerEvent& e) const {
-    Session& session = document_.session();
+    const Session& session = document_.session();
     if (const auto grip = pickGrip(session, e)) return grip;
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
     return hits.empty() ? std::nullopt : nearestGrip(session, hits.front().element, hits.front().point);
 }
 
 std::optional<RayHit> PoseTool::fleshUnder(const PointerEvent& e) const {
-    Session& session = document_.session();
+    const Session& session = document_.session();
     // Another handle is another character, which would end a recording.
     if (!options_.passingHandles || session.recording() || pickGrip(session, e)) return std::nullopt;
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
@@ -74,7 +74,7 @@ void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
 }
 
 bool PoseTool::makePassing(const Flesh& flesh) {
-    Session& session = document_.session();
+    const Session& session = document_.session();
     const auto found = document_.document().elements.find(flesh.hit.element);
     if (found == document_.document().elements.end()) return false;
     const std::shared_ptr<const Element> element = found->second;

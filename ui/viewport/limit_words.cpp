@@ -32,7 +32,7 @@ QString wordOf(const Skeleton& skeleton, const Pose& pose, int bone) {
 
 }  // namespace
 
-std::vector<LimitWord> limitWords(Session& session) {
+std::vector<LimitWord> limitWords(const Session& session) {
     std::vector<LimitWord> words;
     const Document& d = session.document();
     if (session.showsTake() || !session.character()) return words;

@@ -16,6 +16,6 @@ struct LimitWord {
     QString text;
 };
 /// Of all ends that are dragged and do not come to their targets.
-std::vector<LimitWord> limitWords(Session& session);
+std::vector<LimitWord> limitWords(const Session& session);
 
 }  // namespace imomushi

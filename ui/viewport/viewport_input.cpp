@@ -234,7 +234,7 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
         swallowMenu_ = false;
         return;
     }
-    Session& session = document_.session();
+    const Session& session = document_.session();
     if (e->reason() == QContextMenuEvent::Mouse) {
         const auto item = pickItem(session, pointer(e->pos(), Qt::RightButton, Qt::RightButton, e->modifiers()));
         if (!item)

@@ -67,7 +67,7 @@ struct FileFlow::Prepared {
 FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
     : QObject(window), document_(document), steps_(steps), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
     connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
-    Services& services = document.session().services();
+    Services& services = document.services();
     services.import = [prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
         const ImportRequest& r = prepared->request;
         if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
@@ -100,13 +100,13 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
     };
 }
 
-FileFlow::~FileFlow() { document_.session().services() = coreServices(); }
+FileFlow::~FileFlow() { document_.services() = coreServices(); }
 
 Result<Json> FileFlow::read(const Json& open) {
     const auto path = open.at("path").get<std::string>();
     working_ = tr("Opening “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
     file_.read(document_.session().registry(), path, open.contains("version") ? std::optional(open["version"].get<std::int64_t>()) : std::nullopt);
-    document_.session().reuseCharacter(file_.takeCharacter());
+    document_.reuseCharacter(file_.takeCharacter());
     auto answer = document_.execute(open);
     Q_EMIT worked(working_);
     if (!answer) return answer;
@@ -123,7 +123,7 @@ Result<Json> FileFlow::read(const Json& open) {
 Result<Json> FileFlow::write(const Json& save) {
     const auto path = save.at("path").get<std::string>();
     working_ = tr("Saving “%1”…").arg(QFileInfo(QString::fromStdString(path)).fileName());
-    file_.write(path, document_.session().project(), document_.session().versionLimits());
+    file_.write(path, document_.project(), document_.session().versionLimits());
     auto answer = document_.execute(save);
     Q_EMIT worked(working_);
     return answer;

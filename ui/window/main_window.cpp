@@ -365,8 +365,8 @@ void MainWindow::connectView() {
     sayHint();
     const QSettings settings;
     viewport_->setNavigationPreset(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
-    document_.session().setHistoryDepth(PreferencesDialog::historyDepth());
-    document_.session().setVersionLimits(PreferencesDialog::versionLimits());
+    document_.setHistoryDepth(PreferencesDialog::historyDepth());
+    document_.setVersionLimits(PreferencesDialog::versionLimits());
     viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(settings.value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
     viewport_->setPictureQuality(ViewportWidget::PictureQuality(std::clamp(settings.value(QStringLiteral("view/picture"), 0).toInt(), 0, 2)));
 }

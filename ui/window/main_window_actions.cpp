@@ -315,8 +315,8 @@ void MainWindow::openPreferences(const QString& setting) {
     connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
     connect(&dialog, &PreferencesDialog::pictureQualityChanged, this, [this](int quality) { viewport_->setPictureQuality(ViewportWidget::PictureQuality(quality)); });
-    connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.session().setHistoryDepth(steps); });
-    connect(&dialog, &PreferencesDialog::versionsChanged, this, [this] { document_.session().setVersionLimits(PreferencesDialog::versionLimits()); });
+    connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.setHistoryDepth(steps); });
+    connect(&dialog, &PreferencesDialog::versionsChanged, this, [this] { document_.setVersionLimits(PreferencesDialog::versionLimits()); });
     connect(&dialog, &PreferencesDialog::responsesChanged, this, [this] { document_.session().responses().store().setLimits(PreferencesDialog::responseLimits()); });
     dialog.choose(setting);
     dialog.exec();

@@ -53,10 +53,7 @@ void StepFlow::finish() {
     const Wish wish = std::move(waiting_.front());
     waiting_.pop_front();
     if (*made) {
-        Session& session = document_.session();
-        session.setPrepared({made, &**made});
-        const auto answer = document_.execute(wish.command);
-        session.setPrepared(nullptr);
+        const auto answer = document_.executePrepared(wish.command, {made, &**made});
         if (answer) wish.done(*answer);
     } else {
         Q_EMIT document_.failed(errorText(made->error()));
