@@ -5,10 +5,10 @@
 
 namespace imomushi {
 
-void StepJob::start(const Session& session, const Json& command, std::function<void(Session&)> arrange) {
+void StepJob::start(StudioDocument& document, const Json& command, std::function<void(Session&)> arrange) {
     result_ = nullptr;
     auto box = std::make_shared<std::shared_ptr<const Result<PreparedStep>>>();
-    launch([box, &registry = session.registry(), project = session.project(), command, arrange = std::move(arrange)](
+    launch([box, &registry = document.session().registry(), project = document.project(), command, arrange = std::move(arrange)](
                const Progress& progress) { *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress)); },
            [this, box] { result_ = *box; });
 }

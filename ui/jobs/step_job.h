@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "core/commands/prepared_step.h"
-#include "core/commands/session.h"
 #include "ui/jobs/background_job.h"
+#include "ui/models/studio_document.h"
 
 namespace imomushi {
 
@@ -16,7 +16,7 @@ class StepJob : public BackgroundJob {
 public:
     using BackgroundJob::BackgroundJob;
     /// `arrange`: see prepareStep(); runs on the other thread.
-    void start(const Session& session, const Json& command, std::function<void(Session&)> arrange);
+    void start(StudioDocument& document, const Json& command, std::function<void(Session&)> arrange);
     /// Of the last completed run; null before.
     [[nodiscard]] const std::shared_ptr<const Result<PreparedStep>>& result() const { return result_; }
 

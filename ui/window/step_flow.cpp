@@ -43,7 +43,7 @@ void StepFlow::cancel() {
 
 void StepFlow::next() {
     ++tries_;
-    job_.start(document_.session(), waiting_.front().command, waiting_.front().arrange);
+    job_.start(document_, waiting_.front().command, waiting_.front().arrange);
 }
 
 void StepFlow::finish() {
