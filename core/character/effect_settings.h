@@ -37,7 +37,7 @@ struct EffectSettings {
     [[nodiscard]] virtual std::string_view name() const = 0;
     /// Which rule the numbers break. Errors: "bad-value".
     [[nodiscard]] virtual Result<void> validate() const = 0;
-    /// Adds the tables and columns that it needs of an element on which it acts (element_runtime.h).
+    /// Adds what it needs of an element on which it acts: columns of its response, and tables for frames (element_runtime.h).
     virtual void ask(ElementTables&) const {}
     /// Adds its job to those of a frame whose joints and elements are built; none where it has nothing to do. Errors: "bad-value".
     [[nodiscard]] virtual Result<void> addJob(Frame&, FrameJobs&) const { return {}; }

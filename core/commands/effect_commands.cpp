@@ -8,7 +8,6 @@
 #include "core/document/command_support.h"
 #include "core/document/effect_meetings.h"
 #include "core/document/names.h"
-#include "core/elasticity/machine_rates.h"
 #include "core/live/performance.h"
 
 namespace imomushi {
@@ -69,7 +68,7 @@ Result<Json> enable(DocumentEdit& edit, const Json& arguments, const Progress&) 
     Json answer;
     answer["on"] = names(document, effect, canWait(kind));
     if (automatic) answer["auto"] = true;
-    const EffectCost cost = edit.responses().costOf(kind);
+    const EffectCost cost = effectCost(edit.document, edit.responses(), kind);
     answer["columns"] = cost.columns;
     answer["bytes"] = cost.bytes;
     answer["ms_per_frame"] = cost.milliseconds;
@@ -102,48 +101,6 @@ Result<Json> disable(DocumentEdit& edit, const Json& arguments, const Progress&)
 }
 
 }  // namespace
-
-EffectCost DocumentResponses::costOf(EffectKind kind) const {
-    const Document& document = document_;
-    const EffectDescriptor& effect = effectDescriptor(kind);
-    EffectCost cost;
-    if (effect.pairs) cost.milliseconds = 1e3 * machineRates().secondsPerPair * effect.pairs(document);
-    if (effect.scope == EffectScope::Bones) {
-        Document asked = document;
-        for (const EffectKind other : {EffectKind::BoneDynamics, EffectKind::Ground}) asked.effects[other].enabled = other == kind;
-        const auto planned = planCharacter(asked);
-        if (planned) cost.milliseconds += Performance::predict(asked, *planned);
-        return cost;
-    }
-    for (const auto& [id, element] : document.elements) {
-        if (element->faces.empty()) continue;
-        if (effect.tractions) {
-            std::size_t columns = 0;
-            for (const JointFace& face : element->faces) columns += 3 * face.vertices.size();
-            cost.bytes += columns * columns * sizeof(double);
-            cost.precompute = cost.precompute || document.settings.basis != BasisKind::Full || !freshOf(id);
-        }
-        if (!effect.ask || (document.effects.has(kind) && !document.effects.has(kind, id))) continue;
-        const EffectColumns others = columnsAsked(document.effects, id, kind);
-        EffectColumns all = others;
-        effect.ask(document.effects, all);
-        ResponseInput with = inputOf(id), without = with;
-        const auto loads = [](const EffectColumns& columns) { return columns.loads ? BodyLoads::Always : BodyLoads::WhereCheap; };
-        with.loads = loads(all), with.touch = all.patches;
-        without.loads = loads(others), without.touch = others.patches;
-        const int columns = effect.columns(document.effects);
-        const EffectColumns now = columnsAsked(document.effects, id);
-        const ContentKey withKey = all == now ? keyOf(id) : responseKey(with), withoutKey = others == now ? keyOf(id) : responseKey(without);
-        const ResponseEstimate more = estimateOf(withKey, with), less = estimateOf(withoutKey, without);
-        const bool known = has(id, with);
-        cost.precompute = cost.precompute || !known;
-        cost.columns += columns;
-        cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
-        if (!known && !sharedOf(id)) cost.seconds += more.seconds;
-        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * std::min(columns, effect.mostRead) / std::max(1, less.columns);
-    }
-    return cost;
-}
 
 Result<void> setEffect(Effects& effects, EffectKind kind, const std::string& property, const Json& value) {
     std::vector<std::string> known;

@@ -9,6 +9,7 @@
 #include "core/commands/core_commands.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/live/performance.h"
 
 namespace imomushi {
 
@@ -31,7 +32,7 @@ Result<Json> checkPoseCommand(SessionAccess& access, const Json&, const Progress
     if (const auto mend = mendOf(findings)) {
         Json command{{"do", "enable"}, {"effect", std::string(effectName(*mend))}};
         if (effectDescriptor(*mend).canBeAutomatic) command["auto"] = true;
-        const EffectCost cost = access.responses.costOf(*mend);
+        const EffectCost cost = effectCost(access.document(), access.responses, *mend);
         answer["mend"] = {{"command", std::move(command)}, {"ms_per_frame", cost.milliseconds}, {"precompute", cost.precompute}};
     } else if (!findings.empty()) {
         answer["mend"] = {{"command", {{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "affine"}}}, {"precompute", true}};

@@ -11,6 +11,7 @@
 #include "core/commands/prepared_step.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/live/performance.h"
 #include "core/project/project_file.h"
 
 namespace imomushi {
@@ -268,6 +269,8 @@ std::optional<Session::Recording> Session::recording() const {
 }
 
 bool Session::showsTake() const { return live_->showsTake(); }
+
+EffectCost Session::effectCost(EffectKind effect) const { return imomushi::effectCost(document(), responses_, effect); }
 
 // ---- for studio and recovery -------------------------------------------------------------------------------------------
 

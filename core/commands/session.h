@@ -75,7 +75,8 @@ public:
     [[nodiscard]] const SharedResponse* sharedResponse(PartId element) const { return responses_.sharedOf(element); }
     [[nodiscard]] std::shared_ptr<const ElementResponse> response(PartId element) const { return responses_.freshOf(element); }
     [[nodiscard]] ResponseEstimate responseEstimate(PartId element) const { return responses_.estimateOf(element); }
-    [[nodiscard]] EffectCost effectCost(EffectKind effect) const { return responses_.costOf(effect); }
+    /// See effectCost() in performance.h.
+    [[nodiscard]] EffectCost effectCost(EffectKind effect) const;
 
     // ---- the live character: see LiveCharacter
     // Questions build the character where it is not the document's any more.

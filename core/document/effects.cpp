@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/character/element_runtime.h"
 #include "core/document/bone_effects.h"
 #include "core/document/character_input.h"
 #include "core/document/effect_meetings.h"
@@ -57,14 +58,6 @@ double previousModelPairs(const Document& document) {
     return kTractionPairs * stepsPerFrame * entries;
 }
 
-int patches(const Effects& effects, EffectKind kind) { return static_cast<int>(std::lround(effects.number(kind, "patches"))); }
-
-/// Both press on the same patches: as many as who asks for more.
-template <EffectKind kind>
-void askForPatches(const Effects& effects, EffectColumns& columns) {
-    columns.patches = std::max(columns.patches, patches(effects, kind));
-}
-
 template <class T>
 constexpr auto kProperties = T::properties();
 
@@ -86,7 +79,6 @@ double groundPairs(const Document& document) {
     return kGroundPairs * points;
 }
 
-void askForLoads(const Effects&, EffectColumns& columns) { columns.loads = true; }
 double jointDynamicsPairs(const Document& document) { return kDynamicPairs * jointsOf(document); }
 
 // By kind.
@@ -96,19 +88,11 @@ constexpr EffectDescriptor kTable[] = {
     row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .canBeAutomatic = true, .pairs = bendWarpPairs}),
     row<JointDynamicsEffect>(EffectKind::JointDynamics, {.inTime = true, .pairs = jointDynamicsPairs}),
     row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .inTime = true, .pairs = previousModelPairs}),
-    row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 3; }}),
-    row<InflateEffect>(EffectKind::Inflate, {.scope = EffectScope::Elements, .ask = askForLoads, .columns = [](const Effects&) { return 1; }}),
-    // Fingers read the columns of the patches around them, about a dozen.
-    row<TouchEffect>(EffectKind::Touch, {.scope = EffectScope::Elements,
-                                         .ask = askForPatches<EffectKind::Touch>,
-                                         .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Touch); },
-                                         .mostRead = 36}),
-    // The same of what presses, of two bodies.
-    row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements,
-                                             .ask = askForPatches<EffectKind::Contact>,
-                                             .columns = [](const Effects& effects) { return 3 * patches(effects, EffectKind::Contact); },
-                                             .mostRead = 36,
-                                             .canBeAutomatic = true}),
+    row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements}),
+    row<InflateEffect>(EffectKind::Inflate, {.scope = EffectScope::Elements}),
+    // Fingers read the columns of the patches around them, about a dozen; what presses, those of two bodies.
+    row<TouchEffect>(EffectKind::Touch, {.scope = EffectScope::Elements, .mostRead = 36}),
+    row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements, .mostRead = 36, .canBeAutomatic = true}),
     row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones, .seesFlesh = true, .pairs = groundPairs}),
 };
 static_assert(std::size(kTable) == kEffects);
@@ -127,11 +111,19 @@ std::optional<EffectKind> effectNamed(std::string_view name) {
     return found == std::end(kTable) ? std::nullopt : std::optional(found->kind);
 }
 
-EffectColumns columnsAsked(const Effects& effects, PartId element, EffectKind without) {
-    EffectColumns asked;
-    for (const EffectDescriptor& d : kTable)
-        if (d.ask && d.kind != without && effects.has(d.kind, element)) d.ask(effects, asked);
-    return asked;
+EffectColumns columnsAsked(const Effects& effects, PartId element, std::optional<std::pair<EffectKind, bool>> as) {
+    ElementTables asked;
+    for (const EffectDescriptor& d : kTable) {
+        if (d.scope != EffectScope::Elements) continue;  // others ask nothing of elements
+        if (as && as->first == d.kind ? as->second : effects.has(d.kind, element)) effects.settings(d.kind)->ask(asked);
+    }
+    return {static_cast<int>(asked.loads.size()), asked.patches};
+}
+
+EffectColumns columnsOf(const Effects& effects, EffectKind kind) {
+    ElementTables asked;
+    effects.settings(kind)->ask(asked);
+    return {static_cast<int>(asked.loads.size()), asked.patches};
 }
 
 bool sameOnCharacter(const Effects& a, const Effects& b) {

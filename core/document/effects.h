@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/character/effect_settings.h"
@@ -65,10 +66,11 @@ private:
     std::array<Effect, kEffects> all_;
 };
 
-/// Columns of A' that effects ask of the response of an element (ResponseInput).
+/// Columns of A' that effects ask of the response of an element (EffectSettings::ask(), ResponseInput).
 struct EffectColumns {
-    bool loads = false;
+    int loads = 0;
     int patches = 0;  ///< of touch
+    [[nodiscard]] int count() const { return loads + 3 * patches; }
     bool operator==(const EffectColumns&) const = default;
 };
 
@@ -83,10 +85,7 @@ enum class EffectScope {
 struct EffectDescriptor {
     EffectScope scope = EffectScope::Character;
     bool seesFlesh = false;  ///< of bones: a job tells it of each frame where flesh is
-    /// What it asks of the response of each element that it acts on, and how many columns these are.
-    void (*ask)(const Effects&, EffectColumns&) = nullptr;
-    int (*columns)(const Effects&) = nullptr;
-    int mostRead = std::numeric_limits<int>::max();  ///< of its columns, that a frame reads
+    int mostRead = std::numeric_limits<int>::max();  ///< of the columns that it asks for, that a frame reads
     /// It needs the tractions of responses in the basis "full".
     bool tractions = false;
     /// It follows from how a character moves in time: an export without a take drops it.
@@ -117,8 +116,10 @@ inline bool isOfElements(EffectKind kind) { return effectDescriptor(kind).scope 
 /// Nullopt: there is no such effect.
 std::optional<EffectKind> effectNamed(std::string_view name);
 
-/// What the effects that are on ask of the response of an element; `without`: but for this one.
-EffectColumns columnsAsked(const Effects& effects, PartId element, EffectKind without = EffectKind::kCount);
+/// What the effects that are on ask of the response of an element; `as`: as if this one were on there, or off.
+EffectColumns columnsAsked(const Effects& effects, PartId element, std::optional<std::pair<EffectKind, bool>> as = std::nullopt);
+/// What one effect asks for, by itself.
+EffectColumns columnsOf(const Effects& effects, EffectKind kind);
 /// Whether the same effects act on the same elements of a character, on the same responses: what differs can be tuned while it moves.
 bool sameOnCharacter(const Effects& a, const Effects& b);
 /// The effects of a document that act on elements and joints, by their numbers.

@@ -19,7 +19,10 @@ bool isBent(const ElementState& of) { return of.runtime->warp && of.warpPart > 0
 
 }  // namespace
 
-void ContactEffect::ask(ElementTables& tables) const { tables.touch = tables.contact = true; }
+void ContactEffect::ask(ElementTables& tables) const {
+    tables.touch = tables.contact = true;
+    tables.patches = std::max(tables.patches, static_cast<int>(std::lround(patches)));
+}
 
 Result<void> ContactEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     const bool any = std::any_of(frame.elements.begin(), frame.elements.end(), [](const ElementState& e) { return e.runtime->contact != nullptr; });

@@ -2,6 +2,7 @@
 #include "core/effects/touch_job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/finite.h"
@@ -11,6 +12,7 @@ namespace imomushi {
 
 void TouchEffect::ask(ElementTables& tables) const {
     tables.touch = true;
+    tables.patches = std::max(tables.patches, static_cast<int>(std::lround(patches)));
     tables.dents = tip > 0.0;
 }
 

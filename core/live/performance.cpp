@@ -254,4 +254,13 @@ void Performance::raise(const Pose& pose, Pose& raised) {
     }
 }
 
+EffectCost effectCost(const Document& document, const DocumentResponses& responses, EffectKind effect) {
+    EffectCost cost = responses.costOf(effect);
+    if (effectDescriptor(effect).scope != EffectScope::Bones) return cost;
+    Document asked = document;
+    for (const EffectKind other : {EffectKind::BoneDynamics, EffectKind::Ground}) asked.effects[other].enabled = other == effect;
+    if (const auto planned = planCharacter(asked)) cost.milliseconds += Performance::predict(asked, *planned);
+    return cost;
+}
+
 }  // namespace imomushi

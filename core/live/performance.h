@@ -9,6 +9,7 @@
 #include "core/document/character_input.h"
 #include "core/document/effects.h"
 #include "core/dynamics/bone_dynamics.h"
+#include "core/project/document_responses.h"
 
 namespace imomushi {
 
@@ -73,5 +74,8 @@ private:
     unsigned warnings_ = 0;
     double milliseconds_ = 0.0;
 };
+
+/// What it costs to have an effect, on or off now: DocumentResponses::costOf(), and of effects on bones a trial of a few frames.
+EffectCost effectCost(const Document& document, const DocumentResponses& responses, EffectKind effect);
 
 }  // namespace imomushi

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/elasticity/machine_rates.h"
 
 namespace imomushi {
 
@@ -59,7 +60,7 @@ DocumentResponses::ResponseRequest DocumentResponses::requestOf(PartId element) 
     const EffectColumns columns = columnsAsked(document_.effects, element);
     ResponseRequest request;
     request.basis = document_.settings.basis;
-    request.loads = columns.loads;
+    request.loads = columns.loads > 0;
     request.touch = columns.patches;
     return request;
 }
@@ -164,6 +165,39 @@ void DocumentResponses::findShared() const {
         if (!found) candidates.push_back({id, same && last == was.shared.end()});
     }
     sharing_ = std::move(now);
+}
+
+EffectCost DocumentResponses::costOf(EffectKind kind) const {
+    const Effects& effects = document_.effects;
+    const EffectDescriptor& effect = effectDescriptor(kind);
+    EffectCost cost;
+    if (effect.pairs) cost.milliseconds = 1e3 * machineRates().secondsPerPair * effect.pairs(document_);
+    if (effect.scope == EffectScope::Bones) return cost;
+    const int columns = columnsOf(effects, kind).count();
+    for (const auto& [id, element] : document_.elements) {
+        if (element->faces.empty()) continue;
+        if (effect.tractions) {
+            std::size_t size = 0;
+            for (const JointFace& face : element->faces) size += 3 * face.vertices.size();
+            cost.bytes += size * size * sizeof(double);
+            cost.precompute = cost.precompute || document_.settings.basis != BasisKind::Full || !freshOf(id);
+        }
+        if (columns == 0 || (effects.has(kind) && !effects.has(kind, id))) continue;
+        const EffectColumns others = columnsAsked(effects, id, std::pair(kind, false)), all = columnsAsked(effects, id, std::pair(kind, true)), now = columnsAsked(effects, id);
+        ResponseInput with = inputOf(id), without = with;
+        const auto loads = [](const EffectColumns& asked) { return asked.loads > 0 ? BodyLoads::Always : BodyLoads::WhereCheap; };
+        with.loads = loads(all), with.touch = all.patches;
+        without.loads = loads(others), without.touch = others.patches;
+        const ContentKey withKey = all == now ? keyOf(id) : responseKey(with), withoutKey = others == now ? keyOf(id) : responseKey(without);
+        const ResponseEstimate more = estimateOf(withKey, with), less = estimateOf(withoutKey, without);
+        const bool has = this->has(id, with);
+        cost.precompute = cost.precompute || !has;
+        cost.columns += columns;
+        cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
+        if (!has && !sharedOf(id)) cost.seconds += more.seconds;
+        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * std::min(columns, effect.mostRead) / std::max(1, less.columns);
+    }
+    return cost;
 }
 
 // ---- what is there -----------------------------------------------------------------------------------------------------

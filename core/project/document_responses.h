@@ -72,7 +72,7 @@ public:
     // ---- what it costs
     /// Known already or not; where it is shared, without what it is shared from.
     [[nodiscard]] ResponseEstimate estimateOf(PartId element) const;
-    /// What it costs to have an effect, on or off now.
+    /// What it costs to have an effect, on or off now; of effects on bones what their jobs on flesh cost (see effectCost()).
     [[nodiscard]] EffectCost costOf(EffectKind effect) const;
 
     // ---- computing

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/live/performance.h"
 #include "core/project/document_responses.h"
 
 namespace imomushi {
@@ -57,7 +58,7 @@ void EstimateJob::start() {
                 made->precompute.seconds += e.seconds;
                 made->precompute.bytes = std::max(made->precompute.bytes, double(e.bytes));  // one after another
             }
-            for (std::size_t k = 0; k < kEffects && !progress.cancelled(); ++k) made->effects[k] = responses.costOf(EffectKind(k));
+            for (std::size_t k = 0; k < kEffects && !progress.cancelled(); ++k) made->effects[k] = effectCost(work->document, responses, EffectKind(k));
         },
         [this, made] {
             if (again_) return ask();
