@@ -123,6 +123,7 @@ public:
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);
+    [[nodiscard]] FrameJobs& jobs() const;
     /// The job of one of its effects, for what that takes and tells besides settings; null: it has none. It stays while the character does.
     template <class Job>
     [[nodiscard]] Job* job() const {
@@ -222,7 +223,6 @@ public:
 
 private:
     struct State;
-    [[nodiscard]] FrameJobs& jobs() const;
     explicit Character(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };

@@ -59,6 +59,7 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     for (std::size_t j = 0; j < input.joints.size(); ++j) holdFaces(j);
     for (const auto& effect : input.effects)
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;
+    if (auto ok = jobs.validate(); !ok) return ok;
     for (const auto& e : frame.elements) weighs = weighs || e.fades;
     if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, knownMeshes);
     for (int m = 0; m < static_cast<int>(input.renderMeshes.size()); ++m) frame.morphs.push_back(renderMeshes->restWeights(m));

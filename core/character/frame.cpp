@@ -32,8 +32,6 @@ Vec3 Frame::heldAt(const ElementState& element, std::size_t i) const {
     return p;
 }
 
-void FrameJob::report(Frame& frame, double ms) const { frame.setTime(effect_, ms); }
-
 void Frame::setTime(std::string_view effect, double ms) {
     const auto row = std::find_if(stats.effects.begin(), stats.effects.end(), [effect](const EffectTime& t) { return t.effect == effect; });
     if (row == stats.effects.end())

@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -18,20 +20,57 @@ inline double milliseconds(std::chrono::steady_clock::time_point from, std::chro
     return std::chrono::duration<double, std::milli>(to - from).count();
 }
 
-/// Where in a frame jobs run, in this order; what is there by then, and what a job may change (frame.h).
+/// Data of a frame (frame.h), as jobs read and write it.
+enum class FrameData : std::uint16_t {
+    Joints = 1 << 0,       ///< JointState: rotation, rotationMatrix, at, stretch
+    JointMaps = 1 << 1,    ///< JointState: map, warping, part
+    Elements = 1 << 2,     ///< ElementState: rotation, frame
+    Parameters = 1 << 3,   ///< ElementState: v
+    Loads = 1 << 4,        ///< ElementState: withLoads after v, jointForces
+    FaceOffsets = 1 << 5,  ///< Frame: offsets
+    Wants = 1 << 6,        ///< ElementState: wantsLocal, wantsHere
+    Local = 1 << 7,        ///< ElementState: local
+    Forces = 1 << 8,       ///< ElementState: patchForces, fingerDents
+    Positions = 1 << 9,    ///< ElementState: positions
+    Normals = 1 << 10,     ///< ElementState: normals
+    Ground = 1 << 11,      ///< ElementState: aloft; Frame: up. For the next frame
+};
+/// Some of it.
+struct FrameDataSet {
+    std::uint16_t bits = 0;
+    constexpr FrameDataSet() = default;
+    constexpr FrameDataSet(FrameData one) : bits(static_cast<std::uint16_t>(one)) {}
+    [[nodiscard]] constexpr bool has(FrameData one) const { return (bits & static_cast<std::uint16_t>(one)) != 0; }
+    [[nodiscard]] constexpr bool within(FrameDataSet all) const { return (bits & ~all.bits) == 0; }
+    friend constexpr FrameDataSet operator|(FrameDataSet a, FrameDataSet b) {
+        a.bits = static_cast<std::uint16_t>(a.bits | b.bits);
+        return a;
+    }
+};
+constexpr FrameDataSet operator|(FrameData a, FrameData b) { return FrameDataSet(a) | FrameDataSet(b); }
+
+/// Where in a frame jobs run, in this order. What is known by then, and what a job may change there: stageAllows().
 enum class Stage {
-    Joints,       ///< turn, rotation (the same as a matrix), place and in-plane stretch of joints; rotation and frame of elements
-    JointMaps,    ///< maps of joints, which were made from these
-    Loads,        ///< v of elements under these maps; columns after v, forces on joints
-    FaceOffsets,  ///< displacements of single vertices of joint faces; v with them
-    Equilibrium,  ///< maps of joints and v, final
-    Weights,      ///< all weights of elements are final; whether positions before placement are needed
-    LocalShape,   ///< what is evaluated is decided; positions before placement instead of a product
-    Dents,        ///< positions of free vertices; changes of them
-    Placed,       ///< positions of all body vertices, final
-    Normals,      ///< normals of bodies
+    Joints,       ///< joints and elements are where the pose has them
+    JointMaps,    ///< maps of joints are made from that
+    Loads,        ///< v follows from these maps
+    FaceOffsets,  ///< loads are known; vertices of joint faces may move by themselves
+    Equilibrium,  ///< maps of joints and v become final
+    Weights,      ///< all weights of elements are final; who needs positions before placement says so
+    LocalShape,   ///< positions before placement, instead of a product
+    Dents,        ///< forces on patches by these positions
+    Placed,       ///< positions of all body vertices are final
+    Normals,      ///< normals of bodies are final
     kCount
 };
+
+/// What a job reads and writes in one stage. What it alone keeps does not count.
+struct StageUse {
+    Stage stage;
+    FrameDataSet reads, writes;
+};
+/// What jobs may read and write in a stage.
+StageUse stageAllows(Stage stage);
 
 /// One row of statistics.
 struct EffectTime {
@@ -47,8 +86,10 @@ public:
     FrameJob& operator=(const FrameJob&) = delete;
     virtual ~FrameJob() = default;
 
-    [[nodiscard]] std::span<const Stage> stages() const { return stages_; }
-    /// The part of the job that belongs to one of stages(). Frame::stopped: it forgets its motion first.
+    [[nodiscard]] std::string_view effect() const { return effect_; }
+    /// The stages in which it runs, ascending, with all that it reads and writes there.
+    [[nodiscard]] std::span<const StageUse> uses() const { return uses_; }
+    /// The part of the job that belongs to one of its stages. Frame::stopped: it forgets its motion first.
     virtual void run(Stage stage, Frame& frame) = 0;
     /// New numbers that are valid (EffectSettings::validate()), perhaps of another effect.
     virtual void tune(const EffectSettings&) {}
@@ -60,14 +101,14 @@ public:
     virtual void report(Frame& frame, double ms) const;
 
 protected:
-    /// effect: its name. stages: those in which it runs.
-    FrameJob(std::string_view effect, std::vector<Stage> stages) : effect_(effect), stages_(std::move(stages)) {}
+    /// effect: its name.
+    FrameJob(std::string_view effect, std::vector<StageUse> uses) : effect_(effect), uses_(std::move(uses)) {}
     FrameJob(FrameJob&&) noexcept = default;
 
 private:
     friend class FrameJobs;
     std::string_view effect_;
-    std::vector<Stage> stages_;
+    std::vector<StageUse> uses_;
     double ms_ = 0.0;
 };
 
@@ -80,7 +121,7 @@ public:
     }
 
 protected:
-    EffectJob(T settings, std::vector<Stage> stages) : FrameJob(T::kName, std::move(stages)), settings_(std::move(settings)) {}
+    EffectJob(T settings, std::vector<StageUse> uses) : FrameJob(T::kName, std::move(uses)), settings_(std::move(settings)) {}
     /// New numbers, before settings() has them. False: they are refused, and the old ones stay.
     virtual bool take(const T&) { return true; }
     [[nodiscard]] const T& settings() const { return settings_; }
@@ -98,7 +139,7 @@ public:
         if (Job* known = find<Job>()) return *known;
         auto made = std::make_unique<Job>(std::forward<Arguments>(arguments)...);
         Job& job = *made;
-        for (const Stage stage : job.stages()) at_[static_cast<std::size_t>(stage)].push_back(&job);
+        for (const StageUse& use : job.uses()) at_[static_cast<std::size_t>(use.stage)].push_back(&job);
         all_.push_back(std::move(made));
         return job;
     }
@@ -110,14 +151,22 @@ public:
         return nullptr;
     }
 
+    /// Whether each job keeps to what its stages allow. Errors: "internal".
+    [[nodiscard]] Result<void> validate() const;
+    /// Calls `seen` before (`done` false) and after each part of a job, for tests.
+    using Seen = std::function<void(const FrameJob& job, const StageUse& use, const Frame& frame, bool done)>;
+    void watch(Seen seen) { seen_ = std::move(seen); }
+
     void begin() {
         for (const auto& job : all_) job->ms_ = 0.0;
     }
     void run(Stage stage, Frame& frame) {
         for (FrameJob* job : at_[static_cast<std::size_t>(stage)]) {
+            if (seen_) tell(*job, stage, frame, false);
             const auto start = std::chrono::steady_clock::now();
             job->run(stage, frame);
             job->ms_ += milliseconds(start, std::chrono::steady_clock::now());
+            if (seen_) tell(*job, stage, frame, true);
         }
     }
     void report(Frame& frame) const {
@@ -141,7 +190,9 @@ public:
     }
 
 private:
+    void tell(const FrameJob& job, Stage stage, const Frame& frame, bool done) const;
     std::vector<std::unique_ptr<FrameJob>> all_;
+    Seen seen_;  // empty: nobody watches
     std::array<std::vector<FrameJob*>, static_cast<std::size_t>(Stage::kCount)> at_;
 };
 

@@ -18,8 +18,6 @@ struct ElementState;
 /// The render meshes of a character: the last job of a frame. Embedded points of elements that are a product come with it (ResponseBlocks); those of
 /// elements that are more follow the surface here, and what a finger dents is carried to them. Joints add their part, attached parts are placed, and vertices are
 /// put into the order of the file, where morph targets move them (MorphTables).
-///   reads   everything
-///   writes  ElementState::positions behind those of the body
 class RenderMeshJob final : public FrameJob {
 public:
     /// known: tables that may fit, of a character before.

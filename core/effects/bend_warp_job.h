@@ -7,8 +7,6 @@ namespace imomushi {
 
 /// Elements keep their volume under large motions (core/warp/bend_warp.h): their shape is that of the warp instead of the product A' v, or where it
 /// is automatic, as much of it as the pose calls for.
-///   reads   JointState::map, turn, part; ElementState::frame, rotation, withLoads, warpPart
-///   writes  ElementState::local, work
 struct BendWarpEffect : EffectOf<BendWarpEffect> {
     static constexpr std::string_view kName = "bend-warp";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Bend warp");

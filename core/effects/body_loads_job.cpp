@@ -66,7 +66,7 @@ Result<void> InflateEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     return {};
 }
 
-BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {Stage::Loads}) {
+BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {{Stage::Loads, FrameData::Elements | FrameData::Ground, FrameData::Loads}}) {
     const std::vector<double> moduli = modulusForSag(frame.input, 1.0);
     for (const auto& e : frame.elements) {
         const auto& loads = e.runtime->input.tables.loads;

@@ -73,8 +73,6 @@ struct InflateEffect : EffectOf<InflateEffect> {
 
 /// The weights of body loads: force per volume and pressure in the frame of each element, and what they put on its joints. One job for both effects, which
 /// share a bound: loads are linear, and deform no element by more than kMaxLoaded of its size, approached smoothly.
-///   reads   ElementState::frame, rotation, aloft
-///   writes  ElementState::withLoads after v, jointForces (with smooth joints)
 ///   warns   LoadsBounded
 class BodyLoadsJob final : public FrameJob {
 public:

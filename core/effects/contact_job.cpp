@@ -48,7 +48,8 @@ private:
 };
 
 ContactJob::ContactJob(Frame& frame, const ContactEffect& settings)
-    : EffectJob(settings, {Stage::Weights, Stage::Dents}),
+    : EffectJob(settings, {{Stage::Weights, FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::Wants | FrameData::Forces},
+                           {Stage::Dents, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads | FrameData::FaceOffsets | FrameData::Local, FrameData::Forces}}),
       bodies_(bodiesOf(frame, settings)),
       contact_(surfacesOf(frame, bodies_)),
       found_(bodies_.size()),

@@ -40,8 +40,6 @@ struct ContactEffect : EffectOf<ContactEffect> {
 };
 
 /// Contact of flesh with flesh. It works on the surfaces that the pose alone gives, before dents. It costs nothing while no bodies are near, or while bodies in contact are at rest.
-///   reads   ElementState::frame, v, moved, local; Frame::seconds, stopped
-///   writes  ElementState::wantsLocal, patchForces
 class ContactJob final : public EffectJob<ContactEffect> {
 public:
     ContactJob(Frame& frame, const ContactEffect& settings);

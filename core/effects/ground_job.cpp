@@ -45,7 +45,7 @@ Result<void> GroundEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     return {};
 }
 
-GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJob(settings, {Stage::Placed}) {
+GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJob(settings, {{Stage::Placed, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads | FrameData::FaceOffsets | FrameData::Local | FrameData::Forces | FrameData::Positions, FrameData::Ground}}) {
     std::vector<std::pair<std::size_t, std::size_t>> placeOf;  // element and its chosen, in the order of flesh_ before it is sorted
     std::vector<FleshPoint> flesh;
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {

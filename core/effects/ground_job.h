@@ -39,8 +39,6 @@ struct GroundEffect : EffectOf<GroundEffect> {
 /// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
 /// element is bent. They are where pose, loads and bend warp have them, without dents, which are what the ground makes of them. Evaluated here whoever deforms the
 /// element. Where it is warped or dented, which is done here alone and as no sample foresees, its depth is that of all its vertices as they are shown.
-///   reads   ElementState::frame, v, local, dented, positions; JointState::map
-///   writes  ElementState::aloft, Frame::up, for the next frame
 class GroundJob final : public EffectJob<GroundEffect> {
 public:
     GroundJob(const Frame& frame, const GroundEffect& settings);

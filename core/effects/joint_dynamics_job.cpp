@@ -237,7 +237,7 @@ public:
     }
 
 private:
-    explicit JointDynamicsJob(const JointDynamicsEffect& settings) : EffectJob(settings, {Stage::Joints, Stage::JointMaps}) {}
+    explicit JointDynamicsJob(const JointDynamicsEffect& settings) : EffectJob(settings, {{Stage::Joints, FrameData::Joints, FrameData::Joints}, {Stage::JointMaps, FrameData::Joints | FrameData::JointMaps, FrameData::JointMaps}}) {}
 
     bool take(const JointDynamicsEffect& asked) override {
         if (settings().hertz == asked.hertz && settings().damping == asked.damping) return true;

@@ -10,8 +10,6 @@ namespace imomushi {
 /// Joint dynamics (model.md section 6): the faces of each joint jiggle together about where the pose has them, by nine parameters in the axes of its first
 /// face: in-plane stretch, tilts, shifts and twist, as the columns of the basis "affine". Mass and stiffness are those of its elements while their other
 /// faces are held.
-///   reads   JointState::stretch
-///   writes  JointState::rotation, rotation, at; map (its stretch in the plane; not with smooth joints)
 struct JointDynamicsEffect : EffectOf<JointDynamicsEffect> {
     static constexpr std::string_view kName = "joint-dynamics";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Joint dynamics");

@@ -50,7 +50,7 @@ std::vector<std::int32_t> spreadPoints(const Points& vertices, const std::vector
 
 }  // namespace
 
-MeetingJob::MeetingJob(const Frame& frame, bool pressing, std::shared_ptr<std::vector<std::size_t>> met) : FrameJob(ContactEffect::kName, {Stage::Weights}), met_(std::move(met)), pressing_(pressing) {
+MeetingJob::MeetingJob(const Frame& frame, bool pressing, std::shared_ptr<std::vector<std::size_t>> met) : FrameJob(ContactEffect::kName, {{Stage::Weights, FrameData::Elements | FrameData::Parameters | FrameData::Loads, {}}}), met_(std::move(met)), pressing_(pressing) {
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         const auto& of = frame.elements[e];
         const auto& given = of.runtime->input;

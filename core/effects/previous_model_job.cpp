@@ -47,7 +47,7 @@ private:
         Eigen::VectorXf moved, traction;           // moved: v
     };
     PreviousModelJob(ExplicitJointDynamics dynamics, const PreviousModelEffect& settings)
-        : EffectJob(settings, {Stage::FaceOffsets}), dynamics_(std::move(dynamics)) {}
+        : EffectJob(settings, {{Stage::FaceOffsets, FrameData::Joints | FrameData::Elements | FrameData::Parameters, FrameData::Parameters | FrameData::FaceOffsets}}), dynamics_(std::move(dynamics)) {}
     /// It stops where numbers change.
     bool take(const PreviousModelEffect& asked) override;
     void pull(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);

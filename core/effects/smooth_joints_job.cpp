@@ -19,7 +19,7 @@ constexpr double kFadedAngle = 0.6;
 
 class SmoothJointsJob final : public FrameJob {
 public:
-    explicit SmoothJointsJob(Frame& frame) : FrameJob(SmoothJointsEffect::kName, {Stage::Equilibrium}), equilibrium_(frame.input) {
+    explicit SmoothJointsJob(Frame& frame) : FrameJob(SmoothJointsEffect::kName, {{Stage::Equilibrium, FrameData::Joints | FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::JointMaps | FrameData::Parameters}}), equilibrium_(frame.input) {
         frame.smooth = true;
         const int shapes = frame.warpingShapes = equilibrium_.warpingShapes();
         for (auto& j : frame.joints) j.warping = Eigen::Matrix3Xd::Zero(3, shapes);

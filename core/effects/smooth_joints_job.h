@@ -7,8 +7,6 @@ namespace imomushi {
 
 /// Joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s. Not beside the previous model, which shapes joints
 /// itself.
-///   reads   JointState::rotationMatrix, map (rigid), turn; ElementState::frame, rotation, v (of rigid joints), jointForces
-///   writes  JointState::map, warping, part; ElementState::v
 struct SmoothJointsEffect : EffectOf<SmoothJointsEffect> {
     static constexpr std::string_view kName = "smooth-joints";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Smooth joints");

@@ -40,8 +40,6 @@ struct TouchEffect : EffectOf<TouchEffect>, TouchSettings {
 };
 
 /// Contact of fingers with the surfaces that the pose alone leaves.
-///   reads   ElementState::frame, local
-///   writes  ElementState::wantsLocal, patchForces
 class TouchJob final : public EffectJob<TouchEffect> {
 public:
     /// Errors: "bad-value" (settings).
@@ -57,7 +55,7 @@ public:
     void report(Frame& frame, double ms) const override;
 
 private:
-    explicit TouchJob(const TouchEffect& settings) : EffectJob(settings, {Stage::Weights, Stage::Dents}) {}
+    explicit TouchJob(const TouchEffect& settings) : EffectJob(settings, {{Stage::Weights, {}, FrameData::Wants}, {Stage::Dents, FrameData::JointMaps | FrameData::Elements | FrameData::FaceOffsets | FrameData::Local, FrameData::Forces}}) {}
     bool take(const TouchEffect& settings) override;
     struct Finger {
         Vec3 rest, target;  // m, rest and world

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "core/base/floating_point_guard.h"
+#include "core/base/vec3.h"
 
 namespace imomushi {
 namespace {
