@@ -140,9 +140,9 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     const auto character = [&]() -> const CharacterSource& { return *w.now().characters.begin()->second; };
     const int before = w.document().session().position();
     w.trigger("propose");
-    waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Proposal; });
     w.look(Vec3(0.3, 0.4, 1.0));
-    const auto* tool = w.view().proposal();
+    const auto* tool = w.view().tools().proposal();
     REQUIRE(tool != nullptr);
     REQUIRE(!tool->cuts.empty());
     const std::size_t cuts = tool->cuts.size();
@@ -165,7 +165,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
         w.settle();
     };
     drag();
-    const auto moved = [&] { return side * (w.view().proposal()->cuts.front().plane.origin.x() - cut.plane.origin.x()); };
+    const auto moved = [&] { return side * (w.view().tools().proposal()->cuts.front().plane.origin.x() - cut.plane.origin.x()); };
     CHECK(std::abs(moved() - 0.25) < 0.05);
     QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
     CHECK(moved() == 0.0);
@@ -175,20 +175,20 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     w.shoot("proposal-moved");
     // Esc leaves all as it was; asked again, Enter does it.
     QTest::keyClick(&w.view(), Qt::Key_Escape);
-    waitFor([&] { return w.view().tool() == ToolKind::Select; });
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Select; });
     CHECK(w.document().session().position() == before);
     w.trigger("propose");
-    waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
-    CHECK(w.view().proposal()->cuts.front().plane.origin == cut.plane.origin);
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Proposal; });
+    CHECK(w.view().tools().proposal()->cuts.front().plane.origin == cut.plane.origin);
     // Another tool leaves it as it is.
     w.look(Vec3(0.3, 0.4, 1.0));
     drag();
     CHECK(std::abs(moved() - 0.25) < 0.05);
     w.trigger("tool-select");
     CHECK(w.window().messages().isVisible());
-    CHECK(!w.view().proposal());
+    CHECK(!w.view().tools().proposal());
     w.trigger("propose");
-    REQUIRE(w.view().proposal());
+    REQUIRE(w.view().tools().proposal());
     CHECK(std::abs(moved() - 0.25) < 0.05);
     QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
     CHECK(moved() == 0.0);
@@ -197,7 +197,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     CHECK(w.window().steps().running());
     CHECK(w.document().session().position() == before);
     w.window().steps().cancel();
-    CHECK(w.view().tool() == ToolKind::Proposal);
+    CHECK(w.view().tools().kind() == ToolKind::Proposal);
     int turns = 0;  // of the window's events
     QTimer heart;
     QObject::connect(&heart, &QTimer::timeout, [&] { turns += w.window().steps().running(); });
@@ -205,7 +205,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     QTest::keyClick(&w.view(), Qt::Key_Return);
     CHECK(turns == 0);
     CHECK(w.document().session().position() == before);
-    waitFor([&] { return w.view().tool() == ToolKind::Pose; });
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Pose; });
     heart.stop();
     CHECK(turns > 0);
     CHECK(w.document().session().position() == before + 1);
@@ -215,7 +215,7 @@ TEST_CASE("studio: what is proposed for a character is seen in the view, changed
     // Taken back, it can be changed again.
     w.trigger("undo");
     w.trigger("propose");
-    REQUIRE(w.view().proposal());
+    REQUIRE(w.view().tools().proposal());
     CHECK(moved() == 0.0);
 }
 
@@ -354,7 +354,7 @@ TEST_CASE("studio: the view says what comes next, a mesh that is there is made s
     CHECK(w.now().elements.size() >= 6);
     CHECK(w.now().bones.size() >= 5);
     for (const auto& [id, element] : w.now().elements) CHECK(element->nu == 0.4);
-    CHECK(w.view().tool() == ToolKind::Pose);
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
     w.settle();
     CHECK(!offered("nextSoft"));
     CHECK(!w.shared->actions()["make-soft"]->isEnabled());
@@ -407,7 +407,7 @@ TEST_CASE("studio: an element that came in by itself is made soft later, as one 
     w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
     w.settle();
     w.trigger("propose");
-    waitFor([&] { return w.view().proposal(); });
+    waitFor([&] { return w.view().tools().proposal(); });
     CHECK(w.now().characters.size() == 1);
     QTest::keyClick(&w.view(), Qt::Key_Escape);
     w.settle();

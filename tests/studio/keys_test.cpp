@@ -106,7 +106,7 @@ TEST_CASE("keys: Enter leaves a number field, and the next key is the view's") {
     CHECK(field->value() == doctest::Approx(0.3));
     CHECK(w.view().hasFocus());
     QTest::keyClick(QApplication::focusWidget(), Qt::Key_D);
-    CHECK(w.view().tool() == ToolKind::Pose);
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
 }
 
 TEST_CASE("keys: they reach the view when the pointer is over it, unless words are being typed") {

@@ -99,11 +99,11 @@ TEST_CASE("pictures: bones and cuts are proposed" * doctest::skip()) {
     w.run({{"do", "import-character"}, {"path", IMOMUSHI_SOURCE_DIR "/assets/samples/dragon/dragon.glb"}, {"name", "dragon"}});
     w.look(Vec3(0.55, 0.3, 1.0));
     w.trigger("propose");
-    waitFor([&] { return w.view().tool() == ToolKind::Proposal; });
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Proposal; });
     w.cameraStands();
     w.shootOnly(w.view(), "proposal");
     QTest::keyClick(&w.view(), Qt::Key_Escape);
-    waitFor([&] { return w.view().tool() == ToolKind::Select; });
+    waitFor([&] { return w.view().tools().kind() == ToolKind::Select; });
 }
 
 TEST_CASE("pictures: joint faces and bones" * doctest::skip()) {

@@ -188,7 +188,7 @@ TEST_CASE("studio: a penguin is made soft as it is imported, in one step, and a 
     CHECK(w.now().elements.size() >= 4);  // two wings, head, trunk; feet and a tail, if they are found
     CHECK(w.now().bones.size() >= 4);
     CHECK_FALSE(w.now().goals.empty());  // pins
-    CHECK(w.view().tool() == ToolKind::Pose);
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
     waitFor([&] {
         return std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responses().fittingOf(e.first) != nullptr; });
     });

@@ -33,7 +33,7 @@ TEST_CASE("studio: samples open in one click and are ready to be dragged") {
         // Saving a sample asks for a file of one's own: it never writes into the program's.
         CHECK(isSample(sample.path));
         // With the hand that drags, and alive.
-        CHECK(w.view().tool() == ToolKind::Pose);
+        CHECK(w.view().tools().kind() == ToolKind::Pose);
         for (const EffectKind kind : {EffectKind::BendWarp, EffectKind::SmoothJoints, EffectKind::BoneDynamics}) CHECK(w.now().effects.has(kind));
         CHECK(!w.document().session().moving());
         w.shoot(qPrintable(QStringLiteral("sample-") + sample.name));
@@ -82,7 +82,7 @@ TEST_CASE("studio: two mouse actions lead from the start of the program to a ben
         QTest::keyClick(&w.view(), Qt::Key_B);
         w.settle();
         CHECK(w.now().settings.bodyFollows == 0.0);
-        CHECK(w.view().busy());
+        CHECK(w.view().tools().busy());
         QTest::keyClick(&w.view(), Qt::Key_B);
         w.settle();
         CHECK(w.now().settings.bodyFollows == follows);

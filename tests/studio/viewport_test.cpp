@@ -36,7 +36,7 @@ struct Posing : Window {
         QTest::mousePress(&view(), Qt::LeftButton, {}, from);
         for (int i = 1; i <= 4; ++i) QTest::mouseMove(&view(), from + QPoint(0, -12 * i));
         settle();
-        REQUIRE(view().busy());
+        REQUIRE(view().tools().busy());
         REQUIRE(now().goals.contains(end));
     }
 };
@@ -50,7 +50,7 @@ TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no ges
     // Sent as it is, for a display without a window manager has no focus to lose.
     QFocusEvent lost(QEvent::FocusOut, Qt::ActiveWindowFocusReason);
     QApplication::sendEvent(&w.view(), &lost);
-    CHECK(!w.view().busy());
+    CHECK(!w.view().tools().busy());
     CHECK(!w.now().goals.contains(w.end));
     CHECK(w.document().session().position() == before);
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
@@ -102,7 +102,7 @@ TEST_CASE("viewport: however fast the mouse tells, a drag is a command a frame, 
     for (int i = 0; i < 20; ++i) move(from + QPoint(0, i));
     QTest::keyClick(&w.view(), Qt::Key_Escape);
     w.settle();
-    CHECK(!w.view().busy());
+    CHECK(!w.view().tools().busy());
     CHECK(!w.now().goals.contains(w.end));
     CHECK(w.document().session().position() >= before);
 }
@@ -117,7 +117,7 @@ TEST_CASE("viewport: Esc, the right button and undo in mid-drag take the drag ba
         if (way == 1) QTest::mousePress(&w.view(), Qt::RightButton, {}, w.at());
         if (way == 2) QTest::keyClick(&w.view(), Qt::Key_Z, Qt::ControlModifier);
         w.settle();
-        CHECK(!w.view().busy());
+        CHECK(!w.view().tools().busy());
         CHECK(w.document().session().position() == before);
         CHECK((w.at() - rest).manhattanLength() <= 1);
         if (way == 1) QTest::mouseRelease(&w.view(), Qt::RightButton, {}, w.at());

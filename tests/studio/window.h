@@ -141,7 +141,7 @@ public:
     void putBack() {
         if (!made_) return;
         MainWindow& w = *made_;
-        w.viewport().cancel();
+        w.viewport().tools().cancel();
         for (auto* dialog : w.findChildren<QDialog*>()) dialog->reject();
         w.precomputeJob().cancel();
         w.steps().cancel();
@@ -154,7 +154,7 @@ public:
             if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();
         for (const char* on : {"bones", "grid"})
             if (!w.actions()[on]->isChecked()) w.actions()[on]->trigger();
-        w.viewport().setTool(ToolKind::Select);
+        w.viewport().tools().setTool(ToolKind::Select);
         w.viewport().cameraController() = CameraController();
         w.viewport().cameraController().setViewport(w.viewport().width(), w.viewport().height());
         w.messages().hide();

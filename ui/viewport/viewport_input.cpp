@@ -71,7 +71,7 @@ template <class Act>
 void ViewportWidget::withTool(const Act& act) {
     QElapsedTimer since;
     since.start();
-    act(*tool_);
+    act(tools_.tool());
     meter_.addWork(elapsedMs(since));
     redraw();
     updateHint();
@@ -102,8 +102,8 @@ void ViewportWidget::giveMove() {
 // While something is unfinished, its keys belong to the tool and not to the menu.
 bool ViewportWidget::belongsToTool(const QKeyEvent& key) const {
     const bool plain = !(key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
-    return (tool_->busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tool_->wants(key.key())) ||
-           (tool_->hasSteps() && (key.matches(QKeySequence::Undo) || isRedo(key))) || (key.key() == Qt::Key_Escape && tool_->pending());
+    return (tools_.busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tools_.tool().wants(key.key())) ||
+           (tools_.tool().hasSteps() && (key.matches(QKeySequence::Undo) || isRedo(key))) || (key.key() == Qt::Key_Escape && tools_.tool().pending());
 }
 
 bool ViewportWidget::event(QEvent* e) {
@@ -116,7 +116,7 @@ bool ViewportWidget::event(QEvent* e) {
             break;
         case QEvent::KeyPress:
             // Before it takes the focus elsewhere.
-            if (const auto* key = static_cast<QKeyEvent*>(e); key->key() == Qt::Key_Tab && key->modifiers() == Qt::NoModifier && overlapping_ > 1 && !tool_->busy()) {
+            if (const auto* key = static_cast<QKeyEvent*>(e); key->key() == Qt::Key_Tab && key->modifiers() == Qt::NoModifier && overlapping_ > 1 && !tools_.busy()) {
                 takeBehind();
                 return true;
             }
@@ -131,7 +131,7 @@ bool ViewportWidget::event(QEvent* e) {
             break;
         }
         case QEvent::WindowDeactivate:
-            if (tool_->busy()) cancel();
+            if (tools_.busy()) tools_.cancel();
             break;
         case QEvent::LanguageChange:
             setAccessibleName(tr("3D view"));
@@ -151,9 +151,9 @@ void ViewportWidget::mousePressEvent(QMouseEvent* e) {
     at_ = pressedAt_ = e->position();
     again_ = false;
     const bool right = e->button() == Qt::RightButton;
-    if (tool_->busy()) {
+    if (tools_.busy()) {
         if (right) {
-            cancel();
+            tools_.cancel();
             swallowMenu_ = true;
         }
         return;
@@ -163,13 +163,13 @@ void ViewportWidget::mousePressEvent(QMouseEvent* e) {
         if (!navigator_.onBall()) swallowMenu_ = right;
         return;
     }
-    if (right && tool_->pending()) {
-        cancel();
+    if (right && tools_.tool().pending()) {
+        tools_.cancel();
         swallowMenu_ = true;
         return;
     }
     const PointerEvent pressed = pointer(e->position(), e->button(), e->buttons(), e->modifiers());
-    if (e->button() == Qt::LeftButton && e->modifiers() == Qt::NoModifier && (kind_ == ToolKind::Select || kind_ == ToolKind::Pose)) {
+    if (e->button() == Qt::LeftButton && e->modifiers() == Qt::NoModifier && (tools_.kind() == ToolKind::Select || tools_.kind() == ToolKind::Pose)) {
         const auto end = pickEndpoint(document_.session(), pressed);
         again_ = end && document_.selection() == std::vector{SelectionItem{SelectionItem::Kind::Endpoint, end->bone, {}, end->atEnd}};
     }
@@ -183,12 +183,12 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
         navigator_.drag(p);
         return redraw();
     }
-    if (tool_->busy() && !(e->buttons() & Qt::LeftButton)) {
+    if (tools_.busy() && !(e->buttons() & Qt::LeftButton)) {
         // The release went elsewhere: what was reached so far stands.
         giveMove();
-        tool_->release(pointer(p, Qt::LeftButton, e->buttons(), e->modifiers()));
+        tools_.tool().release(pointer(p, Qt::LeftButton, e->buttons(), e->modifiers()));
     }
-    if (navigator_.hover(p, !tool_->busy())) redraw();
+    if (navigator_.hover(p, !tools_.busy())) redraw();
     if (navigator_.overBall()) {
         move_.reset();
         document_.setHovered(std::nullopt);
@@ -205,7 +205,7 @@ void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
     }
     withTool([&](Tool& tool) { tool.release(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
     // A second click takes what is behind.
-    if (!std::exchange(again_, false) || tool_->busy() || !near(e->position(), pressedAt_)) return;
+    if (!std::exchange(again_, false) || tools_.busy() || !near(e->position(), pressedAt_)) return;
     overlapping_ = int(endpointsUnder(document_.session(), pointer(e->position(), Qt::NoButton, Qt::NoButton, {})).size());
     if (overlapping_ < 2) return;
     takeBehind();
@@ -214,7 +214,7 @@ void ViewportWidget::mouseReleaseEvent(QMouseEvent* e) {
 
 void ViewportWidget::mouseDoubleClickEvent(QMouseEvent* e) {
     giveMove();
-    if (tool_->busy() || e->button() != Qt::LeftButton || navigator_.takes(e->position(), e->button(), e->modifiers())) return mousePressEvent(e);
+    if (tools_.busy() || e->button() != Qt::LeftButton || navigator_.takes(e->position(), e->button(), e->modifiers())) return mousePressEvent(e);
     withTool([&](Tool& tool) { tool.doubleClick(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
 }
 
@@ -222,7 +222,7 @@ void ViewportWidget::wheelEvent(QWheelEvent* e) {
     giveMove();
     const double notches = notchesOf(*e);
     e->accept();
-    if (notches != 0.0 && tool_->wheel(notches, pointer(e->position(), Qt::NoButton, e->buttons(), e->modifiers())))
+    if (notches != 0.0 && tools_.tool().wheel(notches, pointer(e->position(), Qt::NoButton, e->buttons(), e->modifiers())))
         updateHint();
     else
         navigator_.wheel(*e);
@@ -230,7 +230,7 @@ void ViewportWidget::wheelEvent(QWheelEvent* e) {
 }
 
 void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
-    if (swallowMenu_ || tool_->busy()) {
+    if (swallowMenu_ || tools_.busy()) {
         swallowMenu_ = false;
         return;
     }
@@ -272,10 +272,10 @@ void ViewportWidget::enterEvent(QEnterEvent* e) {
 }
 
 void ViewportWidget::leaveEvent(QEvent* e) {
-    if (!tool_->busy()) {
+    if (!tools_.busy()) {
         move_.reset();
         overlapping_ = 0;
-        tool_->leave();
+        tools_.tool().leave();
         document_.setHovered(std::nullopt);
         updateHint();
         redraw();
@@ -313,44 +313,44 @@ bool ViewportWidget::navigationKey(QKeyEvent* e) {
 
 void ViewportWidget::keyPressEvent(QKeyEvent* e) {
     giveMove();
-    if ((e->key() == Qt::Key_Escape && tool_->pending()) || (tool_->busy() && e->matches(QKeySequence::Undo))) {
-        cancel();
+    if ((e->key() == Qt::Key_Escape && tools_.tool().pending()) || (tools_.busy() && e->matches(QKeySequence::Undo))) {
+        tools_.cancel();
         return;
     }
-    if (tool_->hasSteps() && e->matches(QKeySequence::Undo)) {
-        undo();
+    if (tools_.tool().hasSteps() && e->matches(QKeySequence::Undo)) {
+        tools_.undo();
         return;
     }
-    if (tool_->hasSteps() && isRedo(*e)) {
-        redo();
+    if (tools_.tool().hasSteps() && isRedo(*e)) {
+        tools_.redo();
         return;
     }
     const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right;
     if (!e->isAutoRepeat() || arrow) {
         QElapsedTimer since;
         since.start();
-        if (tool_->key(e->key(), e->modifiers())) {
+        if (tools_.tool().key(e->key(), e->modifiers())) {
             meter_.addWork(elapsedMs(since));
             redraw();
             updateHint();
-            if (tool_->over()) leaveTool();
+            tools_.leaveIfOver();
             return;
         }
     }
-    if (!tool_->busy() && navigationKey(e)) return;
+    if (!tools_.busy() && navigationKey(e)) return;
     QWidget::keyPressEvent(e);
 }
 
 void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
     giveMove();
-    if (!e->isAutoRepeat()) tool_->keyReleased(e->key());
+    if (!e->isAutoRepeat()) tools_.tool().keyReleased(e->key());
     QWidget::keyReleaseEvent(e);
 }
 
 // ---- focus and visibility ------------------------------------------------------------------------------------------------
 
 void ViewportWidget::focusOutEvent(QFocusEvent* e) {
-    if (tool_->busy()) cancel();
+    if (tools_.busy()) tools_.cancel();
     QWidget::focusOutEvent(e);
 }
 
@@ -360,7 +360,7 @@ void ViewportWidget::showEvent(QShowEvent* e) {
 }
 
 void ViewportWidget::hideEvent(QHideEvent* e) {
-    if (tool_->busy()) cancel();
+    if (tools_.busy()) tools_.cancel();
     move_.reset();
     clock_.stop();
     navigator_.cancel();

@@ -15,7 +15,6 @@
 #include "ui/render/image.h"
 #include "ui/render/offscreen.h"
 #include "ui/tools/picking.h"
-#include "ui/tools/proposal_tool.h"
 #include "ui/viewport/limit_words.h"
 #include "ui/viewport/view_overlay.h"
 #include "ui/widgets/appearance.h"
@@ -33,12 +32,17 @@ constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that i
 }  // namespace
 
 ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
-    : QWidget(parent), document_(document), tool_(makeTool(ToolKind::Select, document)), clock_(document, camera_, meter_) {
+    : QWidget(parent), document_(document), tools_(document), clock_(document, camera_, meter_) {
     setMouseTracking(true);
     setFocusPolicy(Qt::StrongFocus);
     setAccessibleName(tr("3D view"));
     setObjectName(QStringLiteral("viewport"));
 
+    connect(&tools_, &ToolHost::interrupted, this, [this] { move_.reset(); });
+    connect(&tools_, &ToolHost::changed, this, [this] {
+        redraw();
+        updateHint();
+    });
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
     connect(&clock_, &FrameClock::aboutToStep, this, &ViewportWidget::giveMove);
     nextMove_.setSingleShot(true);
@@ -82,111 +86,17 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
 }
 
 ViewportWidget::~ViewportWidget() {
-    attempt([this] { tool_->cancel(); });  // while this is still whole: a gesture that is taken back changes the document
+    attempt([this] { tools_.tool().cancel(); });  // while this is still whole: a gesture that is taken back changes the document
     document_.disconnect(this);
 }
 
-// ---- tools -----------------------------------------------------------------------------------------------------------
-
-void ViewportWidget::setTool(ToolKind kind) {
-    if (kind != kind_) useTool(kind, makeTool(kind, document_));
-}
-
-void ViewportWidget::propose(PartId character, Proposal proposal) {
-    ProposalTool::Host host;
-    host.accept = [this](const Json& command) { Q_EMIT proposalAccepted(command); };
-    host.changed = [this] {
-        redraw();
-        updateHint();
-    };
-    useTool(ToolKind::Proposal, std::make_unique<ProposalTool>(document_, character, std::move(proposal), std::move(host)));
-}
-
-bool ViewportWidget::resumeProposal(PartId character) {
-    const auto fits = [&](const ProposalTool* tool) { return tool && !tool->over() && tool->character() == character; };
-    if (fits(dynamic_cast<const ProposalTool*>(tool_.get()))) return true;
-    if (!fits(keptProposal_.get())) return false;
-    keptProposal_->handBack();  // it may have been accepted, and that undone
-    useTool(ToolKind::Proposal, std::move(keptProposal_));
-    return true;
-}
-
-void ViewportWidget::handBackProposal() {
-    if (auto* tool = dynamic_cast<ProposalTool*>(tool_.get()); tool && tool->handedOver()) tool->handBack();
-    redraw();
-    updateHint();
-}
-
-const Proposal* ViewportWidget::proposal() const {
-    const auto* tool = dynamic_cast<const ProposalTool*>(tool_.get());
-    return tool ? &tool->proposal() : nullptr;
-}
-
-bool ViewportWidget::undo() {
-    const bool own = tool_->hasSteps();
-    if (own) tool_->undo();
-    redraw();
-    updateHint();
-    return own;
-}
-
-bool ViewportWidget::redo() {
-    const bool own = tool_->hasSteps();
-    if (own) tool_->redo();
-    redraw();
-    updateHint();
-    return own;
-}
-
-void ViewportWidget::leaveTool() {
-    QMetaObject::invokeMethod(
-        this,
-        [this] {
-            if (tool_->over()) setTool(ToolKind::Select);
-        },
-        Qt::QueuedConnection);
-}
-
-void ViewportWidget::useTool(ToolKind kind, std::unique_ptr<Tool> tool) {
-    move_.reset();
-    tool_->cancel();
-    bool kept = false;
-    if (auto* proposal = dynamic_cast<ProposalTool*>(tool_.get()); proposal && !proposal->dropped()) {
-        kept = !proposal->over() && !proposal->handedOver();
-        (void)tool_.release();
-        keptProposal_.reset(proposal);
-    }
-    tool_ = std::move(tool);
-    tool_->setOptions(toolOptions_);
-    kind_ = kind;
-    document_.setHovered(std::nullopt);
-    redraw();
-    updateHint();
-    Q_EMIT toolChanged(kind);
-    if (kept) Q_EMIT proposalKept();
-    tool_->begin();
-}
-
-void ViewportWidget::setToolOptions(ToolOptions options) {
-    toolOptions_ = std::move(options);
-    tool_->setOptions(toolOptions_);
-    updateHint();
-}
-
-bool ViewportWidget::busy() const { return tool_->busy(); }
-
-void ViewportWidget::cancel() {
-    move_.reset();
-    tool_->cancel();
-    redraw();
-    updateHint();
-}
+// ---- hints -----------------------------------------------------------------------------------------------------------
 
 QString ViewportWidget::hint() const {
-    QString tool = tool_->hint();
+    QString tool = tools_.tool().hint();
     const QString name = overlapped();
     if (!name.isEmpty()) tool = tr("“%1”, one of %2 ends here · Tab or a second click: the next", "the end of a bone").arg(name).arg(overlapping_) + QStringLiteral(" · ") + tool;
-    if (tool_->pending() || tool.size() > kLongHint) return tool;
+    if (tools_.tool().pending() || tool.size() > kLongHint) return tool;
     const QString view = navigator_.preset() == NavigationPreset::Blender
                              ? tr("Middle: orbit · Shift+middle: pan · Wheel: zoom")
                              : tr("Alt+left: orbit · Alt+middle: pan · Wheel: zoom");
@@ -195,7 +105,7 @@ QString ViewportWidget::hint() const {
 
 QString ViewportWidget::overlapped() const {
     const auto& hovered = document_.hovered();
-    if (overlapping_ < 2 || tool_->busy() || !hovered || hovered->kind != SelectionItem::Kind::Endpoint) return {};
+    if (overlapping_ < 2 || tools_.tool().busy() || !hovered || hovered->kind != SelectionItem::Kind::Endpoint) return {};
     return QString::fromStdString(pathOf(document_.document(), *hovered));
 }
 
@@ -317,7 +227,7 @@ void ViewportWidget::structureChanged() {
     if (marked_ && !document_.document().characters.contains(marked_->character)) setMarked(std::nullopt);
     poseChanged();
     updateHint();
-    if (tool_->over()) leaveTool();
+    tools_.leaveIfOver();
 }
 
 void ViewportWidget::poseChanged() {
@@ -380,8 +290,8 @@ bool ViewportWidget::dark() const { return palette().color(QPalette::Window).lig
 SceneOptions ViewportWidget::sceneOptions() const {
     const Document& d = document_.document();
     SceneOptions options;
-    options.bones = bones_ || kind_ == ToolKind::Bone || kind_ == ToolKind::Handle || kind_ == ToolKind::Pose;
-    options.faces = kind_ == ToolKind::Face || kind_ == ToolKind::Bone;
+    options.bones = bones_ || tools_.kind() == ToolKind::Bone || tools_.kind() == ToolKind::Handle || tools_.kind() == ToolKind::Pose;
+    options.faces = tools_.kind() == ToolKind::Face || tools_.kind() == ToolKind::Bone;
     options.bodies = bodies_;
     options.bodyOpacity = xray_ ? kXrayOpacity : 1.0f;
     options.marked = marked_ ? &*marked_ : nullptr;
@@ -450,13 +360,13 @@ void ViewportWidget::paint() {
     scene_.darkTheme = dark();
     scene_.pixelRatio = float(devicePixelRatioF() * Appearance::instance().scale());
     // Frames follow each other while something moves, by itself or by hand.
-    const bool moving = clock_.running() || tool_->busy() || navigator_.active() || fade_.active();
+    const bool moving = clock_.running() || tools_.tool().busy() || navigator_.active() || fade_.active();
     scene_.smooth = quality_ == PictureQuality::Fine || (!moving && (smooth_ || (quality_ == PictureQuality::Automatic && !renderer.software())));
     scene_.halved = !scene_.smooth && (quality_ == PictureQuality::Fast || (moving && renderer.software()));
     smooth_ = false;
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
-    tool_->decorate(scene_);
+    tools_.tool().decorate(scene_);
     try {
         renderer.draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
                       int(std::lround(height() * devicePixelRatioF())));
@@ -466,9 +376,9 @@ void ViewportWidget::paint() {
     }
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
-    auto box = tool_->box();
+    auto box = tools_.tool().box();
     if (const double scale = Appearance::instance().scale(); box) box = QRectF(box->topLeft() * scale, box->size() * scale);
-    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tool_->banner(), deck_, overlapped(), at_}.paint(painter, document_);
+    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tools_.tool().banner(), deck_, overlapped(), at_}.paint(painter, document_);
     for (const LimitWord& word : limitWords(document_.session()))
         if (const auto at = onScreen(word.at)) ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), {}, {}, nullptr, word.text, *at}.paint(painter, document_);
     painter.end();

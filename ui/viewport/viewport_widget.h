@@ -12,18 +12,16 @@
 #include "ui/models/take_deck.h"
 #include "ui/scene/document_scene.h"
 #include "ui/scene/shape_fade.h"
-#include "ui/tools/tool.h"
 #include "ui/viewport/camera_controller.h"
 #include "ui/viewport/frame_clock.h"
 #include "ui/viewport/frame_meter.h"
 #include "ui/viewport/gl_canvas.h"
+#include "ui/viewport/tool_host.h"
 #include "ui/viewport/view_navigator.h"
 
 class QLabel;
 
 namespace imomushi {
-
-class ProposalTool;
 
 /// The view of the character: draws it, hands the pointer to the tool, and moves the camera. It draws when something changed, and
 /// at 60 Hz only while something moves. Where there is no OpenGL 3.3 it says so and the rest of the studio goes on.
@@ -35,25 +33,9 @@ public:
 
     /// Steps the frames of what this plays and records, and says in the view that it does. Must outlive the view.
     void follow(TakeDeck& deck);
-    void setTool(ToolKind kind);
-    /// Shows how a character would be made soft, to be changed, accepted or left.
-    void propose(PartId character, Proposal proposal);
-    /// Shows the proposal for a character again that another tool took the place of, with its steps. False: there is none.
-    bool resumeProposal(PartId character);
-    /// What was accepted is not done: the artist goes on.
-    void handBackProposal();
-    /// What is shown now; null: no proposal is.
-    [[nodiscard]] const Proposal* proposal() const;
-    /// Steps of the tool's own come before those of the document. False: it has none.
-    bool undo();
-    bool redo();
-    /// What all tools follow from now on.
-    void setToolOptions(ToolOptions options);
+    [[nodiscard]] ToolHost& tools() { return tools_; }
     /// Says of an element whether a response that fits it is on its way: until then what was seen of it stays.
     void setAwaits(std::function<bool(PartId)> awaits) { awaits_ = std::move(awaits); }
-    /// Lets the tool say again what it needs.
-    void beginTool() { tool_->begin(); }
-    [[nodiscard]] ToolKind tool() const { return kind_; }
     /// What the mouse does now, translated.
     [[nodiscard]] QString hint() const;
 
@@ -94,10 +76,6 @@ public:
     void setMarked(std::optional<MarkedPlace> place);
     void frameMarked();
 
-    /// Takes back what is unfinished (Esc).
-    void cancel();
-    /// A gesture is open: commands from elsewhere must wait or cancel() it first.
-    [[nodiscard]] bool busy() const;
     /// Where a point of the world (m) is in this widget, logical pixels; none: behind the eye.
     [[nodiscard]] std::optional<QPointF> onScreen(const Vec3& p) const;
     /// Where an end of a bone is in this widget.
@@ -115,11 +93,6 @@ Q_SIGNALS:
     void hintChanged(const QString& hint);
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
     void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
-    void toolChanged(imomushi::ToolKind kind);
-    /// A proposal was accepted: this make-soft is to be done. handBackProposal() where it is not.
-    void proposalAccepted(const imomushi::Json& command);
-    /// Another tool took the place of a proposal that is neither accepted nor left.
-    void proposalKept();
     /// Projection, bones, grid, bodies or x-ray were switched, by whom ever.
     void viewChanged();
 
@@ -142,9 +115,6 @@ protected:
 
 private:
     // viewport_widget.cpp
-    void useTool(ToolKind kind, std::unique_ptr<Tool> tool);
-    /// Another tool follows one whose work is done, once nothing of it runs any more.
-    void leaveTool();
     void paint();
     void redraw();
     [[nodiscard]] ShapeFade shapeKept();  ///< from which what is seen fades into what comes
@@ -176,10 +146,7 @@ private:
 
     StudioDocument& document_;
     TakeDeck* deck_ = nullptr;
-    ToolKind kind_ = ToolKind::Select;
-    std::unique_ptr<Tool> tool_;
-    std::unique_ptr<ProposalTool> keptProposal_;  ///< while another tool is chosen
-    ToolOptions toolOptions_;
+    ToolHost tools_;
     CameraController camera_;
     ViewNavigator navigator_{camera_};
     FrameMeter meter_;

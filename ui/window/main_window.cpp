@@ -72,7 +72,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     setAcceptDrops(true);
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
-    steps_ = new StepFlow(document_, [this] { return document_.inGesture() || (viewport_ && viewport_->busy()); }, this);
+    steps_ = new StepFlow(document_, [this] { return document_.inGesture() || (viewport_ && viewport_->tools().busy()); }, this);
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
@@ -110,7 +110,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
 
     takeSizes();
     retranslate();
-    viewport_->setTool(ToolKind::Select);
+    viewport_->tools().setTool(ToolKind::Select);
     showStart(true);
     restore();
 }
@@ -189,7 +189,7 @@ void MainWindow::connectDocument() {
             if (command == commands::precompute()) return startPrecompute();
             settle();
             // What was turned on may need a precompute, which the tool then offers.
-            if (executeTogether(document_, command.is_array() ? command.get<std::vector<Json>>() : std::vector<Json>{command})) viewport_->beginTool();
+            if (executeTogether(document_, command.is_array() ? command.get<std::vector<Json>>() : std::vector<Json>{command})) viewport_->tools().begin();
         });
     });
     connect(deck_, &TakeDeck::said, this, warning);
@@ -285,9 +285,9 @@ void MainWindow::connectSteps() {
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
     // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.
-    const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->proposal()); };
+    const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->tools().proposal()); };
     connect(steps_, &StepFlow::changed, this, wait);
-    connect(viewport_, &ViewportWidget::toolChanged, this, wait);
+    connect(&viewport_->tools(), &ToolHost::toolChanged, this, wait);
     connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId part) {
         settle();
         const Document& d = document_.document();
@@ -316,20 +316,20 @@ void MainWindow::connectProposals() {
         const auto now = document_.document().characters.find(character);
         if (now == document_.document().characters.end() || now->second->body != proposals_->character()->body || !canBecomeSoft(document_.document(), *now->second)) return;
         showStart(false);
-        viewport_->propose(character, *proposal);
+        viewport_->tools().propose(character, *proposal);
         viewport_->setFocus();
     });
-    connect(viewport_, &ViewportWidget::proposalAccepted, this, [this](const Json& command) { files_->makeSoft(command); });
-    connect(viewport_, &ViewportWidget::proposalKept, this, [this] { messages().offer(tr("The proposal is kept as it is."), tr("Show it"), [this] { propose(); }); });
+    connect(&viewport_->tools(), &ToolHost::proposalAccepted, this, [this](const Json& command) { files_->makeSoft(command); });
+    connect(&viewport_->tools(), &ToolHost::proposalKept, this, [this] { messages().offer(tr("The proposal is kept as it is."), tr("Show it"), [this] { propose(); }); });
     // Cancelled or refused; what is done is not there any more.
     connect(steps_, &StepFlow::changed, this, [this] {
-        if (!steps_->running()) viewport_->handBackProposal();
+        if (!steps_->running()) viewport_->tools().handBackProposal();
     });
 }
 
 void MainWindow::followDrafts() {
     // A passing handle is gone soon, and all is as it was.
-    if (viewport_->busy()) return QTimer::singleShot(kAskAgainMs, this, &MainWindow::followDrafts);
+    if (viewport_->tools().busy()) return QTimer::singleShot(kAskAgainMs, this, &MainWindow::followDrafts);
     draftedMeanwhile_ = precompute_->running();
     followsDrafts_ = !draftedMeanwhile_ && !estimates_->latest();
     if (followsDrafts_) return estimates_->ask();

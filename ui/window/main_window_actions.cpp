@@ -50,7 +50,7 @@ void MainWindow::onSettled(const char* action, std::function<void()> run) {
 }
 
 void MainWindow::settle() {
-    if (viewport_->busy()) viewport_->cancel();
+    if (viewport_->tools().busy()) viewport_->tools().cancel();
 }
 
 void MainWindow::connectActions() {
@@ -90,7 +90,7 @@ void MainWindow::connectFileActions() {
 void MainWindow::connectEditActions() {
     on("undo", [this] { undo(); });
     onSettled("redo", [this] {
-        if (!viewport_->redo()) document_.execute(commands::redo());
+        if (!viewport_->tools().redo()) document_.execute(commands::redo());
     });
     onSettled("delete", [this] { removeSelection(document_); });
     onSettled("duplicate", [this] { duplicateSelected(document_); });
@@ -109,7 +109,7 @@ void MainWindow::connectEditActions() {
         on(id, [this, tool = kind] { setTool(tool); });
     }
     (*actions_)["tool-select"]->setChecked(true);
-    connect(viewport_, &ViewportWidget::toolChanged, this, [this](ToolKind kind) {
+    connect(&viewport_->tools(), &ToolHost::toolChanged, this, [this](ToolKind kind) {
         for (const auto& [id, tool] : kTools)
             if (tool == kind) (*actions_)[id]->setChecked(true);
     });
@@ -231,14 +231,14 @@ void MainWindow::connectViewActions() {
 
 void MainWindow::setTool(ToolKind tool) {
     showStart(false);
-    viewport_->setTool(tool);
+    viewport_->tools().setTool(tool);
     viewport_->setFocus();
 }
 
 void MainWindow::setPassingHandles(bool on) {
     ToolOptions options;
     if (on) options.passingHandles = [this](const Element& element) { return drafts_->enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; };
-    viewport_->setToolOptions(std::move(options));
+    viewport_->tools().setOptions(std::move(options));
 }
 
 void MainWindow::startPrecompute() {
@@ -256,15 +256,15 @@ void MainWindow::propose() {
         if (document_.execute(commands::makeCharacter(name))) character = document_.document().characterNamed(name);
     }
     if (!character || !canBecomeSoft(document_.document(), *character)) return;
-    if (!viewport_->resumeProposal(character->id)) return proposals_->start(document_.document().characters.at(character->id));
+    if (!viewport_->tools().resumeProposal(character->id)) return proposals_->start(document_.document().characters.at(character->id));
     showStart(false);
     viewport_->setFocus();
 }
 
 void MainWindow::undo() {
     // Undo in the middle of a drag takes the drag back, nothing more.
-    if (viewport_->busy()) viewport_->cancel();
-    else if (!document_.inGesture() && !viewport_->undo()) document_.execute(commands::undo());
+    if (viewport_->tools().busy()) viewport_->tools().cancel();
+    else if (!document_.inGesture() && !viewport_->tools().undo()) document_.execute(commands::undo());
 }
 
 void MainWindow::join() {
@@ -281,7 +281,7 @@ void MainWindow::record() {
     showStart(false);
     StudioDocks::raise(takes());
     // What is performed is dragged or touched.
-    if (viewport_->tool() != ToolKind::Pose && viewport_->tool() != ToolKind::Touch) viewport_->setTool(ToolKind::Pose);
+    if (viewport_->tools().kind() != ToolKind::Pose && viewport_->tools().kind() != ToolKind::Touch) viewport_->tools().setTool(ToolKind::Pose);
     deck_->startRecording();
     viewport_->setFocus();
 }
