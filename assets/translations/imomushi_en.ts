@@ -140,7 +140,7 @@
         </message>
     </context>
     <context>
-        <name>imomushi::MainWindow</name>
+        <name>imomushi::PrecomputeFlow</name>
         <message numerus="yes">
             <source>Precompute cancelled; %n element(s) were done and are kept.</source>
             <translation>

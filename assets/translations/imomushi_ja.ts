@@ -3449,15 +3449,7 @@
         </message>
     </context>
     <context>
-        <name>imomushi::MainWindow</name>
-        <message>
-            <source>Precomputing %1</source>
-            <translation>%1 を前計算中</translation>
-        </message>
-        <message>
-            <source>Precomputing %1 %</source>
-            <translation>前計算中 %1 %</translation>
-        </message>
+        <name>imomushi::PrecomputeFlow</name>
         <message>
             <source>%1: %2</source>
             <comment>element, what went wrong</comment>
@@ -3478,6 +3470,21 @@
             <translation>前計算が終わりました。ドラッグツール (D) でボーンの端やハンドルを動かせます。</translation>
         </message>
         <message>
+            <source>Everything is precomputed already.</source>
+            <translation>すべて前計算済みです。</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::MainWindow</name>
+        <message>
+            <source>Precomputing %1</source>
+            <translation>%1 を前計算中</translation>
+        </message>
+        <message>
+            <source>Precomputing %1 %</source>
+            <translation>前計算中 %1 %</translation>
+        </message>
+        <message>
             <source>View of the character</source>
             <translation>キャラクターのビュー</translation>
         </message>
@@ -3488,10 +3495,6 @@
         <message>
             <source>New project</source>
             <translation>新しいプロジェクト</translation>
-        </message>
-        <message>
-            <source>Everything is precomputed already.</source>
-            <translation>すべて前計算済みです。</translation>
         </message>
         <message>
             <source>Joined %1 and %2</source>

@@ -14,7 +14,7 @@ struct HandlePose {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit, from rest
     /// True: in the world. False: relative to what carries it, the bones of its element or that on which it hangs; where nothing does, in the world.
     bool held = false;
-    bool operator==(const HandlePose& o) const { return at == o.at && turn.coeffs() == o.rotation.coeffs() && held == o.held; }
+    bool operator==(const HandlePose& o) const { return at == o.at && rotation.coeffs() == o.rotation.coeffs() && held == o.held; }
 };
 
 }  // namespace imomushi

@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "core/elasticity/boundary_problem.h"
 #include "core/elasticity/tetrahedral_mesh.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_corners.h"

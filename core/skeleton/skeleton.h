@@ -37,10 +37,10 @@ struct IkGoal {
     bool hasRoll = false;
     double roll = 0.0;  ///< radians about the bone's axis, relative to rest
     bool pinned = false;  ///< a pin, where the character stands; otherwise a drag
-    int heldBone = -1;  ///< a bone at the point that keeps a direction, too: that of rest turned by `turn`; -1: none
+    int heldBone = -1;  ///< a bone at the point that keeps a direction, too: that of rest turned by `rotation`; -1: none
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
     bool operator==(const IkGoal& o) const {
-        return point == o.point && target == o.target && hasRoll == o.hasRoll && roll == o.roll && pinned == o.pinned && heldBone == o.heldBone && turn.coeffs() == o.rotation.coeffs();
+        return point == o.point && target == o.target && hasRoll == o.hasRoll && roll == o.roll && pinned == o.pinned && heldBone == o.heldBone && rotation.coeffs() == o.rotation.coeffs();
     }
 };
 

@@ -193,7 +193,7 @@ int main(int argc, char** argv) {
     measure("open", [&] { window.files().open(path); });
     measure("look around", [&] { view.frameAll(false); });
     measure("hover", [&] { moves(view.rect().center(), Qt::NoButton); });
-    view.setTool(ToolKind::Pose);
+    view.tools().setTool(ToolKind::Pose);
     measure("hover with the pose tool", [&] { moves(view.rect().center(), Qt::NoButton); });
     const auto end = [&] {
         const auto place = document.session().positionOf({document.document().boneNamed(last)->id, true});
@@ -205,7 +205,7 @@ int main(int argc, char** argv) {
     measure("let go", [&] { send(QEvent::MouseButtonRelease, at + QPoint(39, 19), Qt::LeftButton, Qt::NoButton); });
     measure("undo", [&] { window.actions()["undo"]->trigger(); });
     measure("redo", [&] { window.actions()["redo"]->trigger(); });
-    view.setTool(ToolKind::Select);
+    view.tools().setTool(ToolKind::Select);
     measure("select all", [&] { window.actions()["select-all"]->trigger(); });
     measure("select none", [&] { window.actions()["select-none"]->trigger(); });
     measure("rename an element", [&] { execute({{"do", "rename"}, {"target", "e1"}, {"name", "other"}}); });

@@ -103,7 +103,7 @@ TEST_CASE("studio: an open mesh comes in as a whole character, is cut by a click
     w.run({{"do", "add-bone"}, {"name", "tip"}, {"element", names[1]}, {"from", "trunk/end"}, {"to", {2.9, 0, 0}}});
     w.run({{"do", "pin"}, {"endpoint", "trunk/start"}});
     w.window().actions()["precompute"]->trigger();
-    waitFor([&] { return !w.window().precomputeJob().running(); });
+    waitFor([&] { return !w.window().precompute().job().running(); });
     for (const auto& [id, element] : w.now().elements) CHECK(w.document().session().responseState(id) == Session::ResponseState::Fresh);
     w.trigger("tool-pose");
     w.look(Vec3(0.3, 0.4, 1.0));
@@ -439,11 +439,11 @@ TEST_CASE("studio: undo of a character that was made soft, in the middle of its 
     waitFor([&] { return !w.window().steps().running(); });
     w.settle();
     w.trigger("precompute");
-    REQUIRE(w.window().precomputeJob().running());
+    REQUIRE(w.window().precompute().job().running());
     CHECK(said(vertices));
     w.trigger("undo");
     CHECK(w.now().elements.size() == 1);
-    waitFor([&] { return !w.window().precomputeJob().running(); });
+    waitFor([&] { return !w.window().precompute().job().running(); });
     w.settle();
     CHECK(said(vertices));
     CHECK(!w.window().actions()["precompute"]->isEnabled());

@@ -95,10 +95,10 @@ TEST_CASE("studio: four clicks on a body are four handles, soft at once, and one
     CHECK(w.now().handleGoals.at(hand).pinned);
 
     // What the settings ask for comes by itself, or by hand where it takes long.
-    waitFor([&] { return !w.window().precomputeJob().running(); });
+    waitFor([&] { return !w.window().precompute().job().running(); });
     if (w.document().session().responseState(id) != Session::ResponseState::Fresh) {
         w.trigger("precompute");
-        waitFor([&] { return !w.window().precomputeJob().running(); });
+        waitFor([&] { return !w.window().precompute().job().running(); });
     }
     CHECK(w.document().session().responseState(id) == Session::ResponseState::Fresh);
     w.shoot("handles-precomputed");
@@ -123,7 +123,7 @@ PartId importSoft(Window& w) {
     }
     w.look(Vec3(0.2, 0.15, 1));
     waitFor([&] { return w.document().session().responses().fittingOf(id) != nullptr; });
-    waitFor([&] { return !w.window().precomputeJob().running(); });
+    waitFor([&] { return !w.window().precompute().job().running(); });
     w.document().select({});
     return id;
 }

@@ -64,7 +64,7 @@ void precompute(Window& w) {
         return button;
     });
     QTest::mouseClick(button, Qt::LeftButton);
-    waitFor([&] { return !w.window().precomputeJob().running(); }, 120000);
+    waitFor([&] { return !w.window().precompute().job().running(); }, 120000);
     w.settle();
 }
 

@@ -48,8 +48,8 @@ TEST_CASE("studio: a mesh becomes a character by clicking, moves by dragging, an
     // The precompute runs in the background; the window stays alive meanwhile.
     CHECK(w.document().session().responseState(element) == Session::ResponseState::None);
     w.window().actions()["precompute"]->trigger();  // without settling: so small an element takes less time than that
-    CHECK(w.window().precomputeJob().running());
-    waitFor([&] { return !w.window().precomputeJob().running(); }, 120000);
+    CHECK(w.window().precompute().job().running());
+    waitFor([&] { return !w.window().precompute().job().running(); }, 120000);
     REQUIRE(w.document().session().responseState(element) == Session::ResponseState::Fresh);
     w.shoot("precomputed");
 
@@ -119,7 +119,7 @@ TEST_CASE("studio: a precompute that is cancelled answers at once and changes no
     w.run({{"do", "set"}, {"target", element.name}, {"property", "solver-mesh"}, {"value", "best"}});
     w.settle();
     w.trigger("precompute");
-    PrecomputeJob& job = w.window().precomputeJob();
+    PrecomputeJob& job = w.window().precompute().job();
     waitFor([&] { return !job.stage().isEmpty(); });
     REQUIRE(job.running());
     bool ended = false;
@@ -191,7 +191,7 @@ TEST_CASE("studio: elements that are done when a precompute is cancelled are kep
     w.settle();
     const int steps = w.document().session().position();
     w.trigger("precompute");
-    PrecomputeJob& job = w.window().precomputeJob();
+    PrecomputeJob& job = w.window().precompute().job();
     waitFor([&] { return job.element() == QString::fromStdString(w.now().elements.at(slow)->name); });
     job.cancel();
     CHECK(job.kept() == 1);

@@ -148,11 +148,11 @@ TEST_CASE("studio: a whole penguin is cut into head, wings and trunk by four cli
     CHECK(longest < 0.5 * moved);
 
     // Better answers come by themselves, or by hand where they take long; nothing jumps far.
-    waitFor([&] { return !w.window().precomputeJob().running(); });
+    waitFor([&] { return !w.window().precompute().job().running(); });
     w.settle();
     if (!std::all_of(w.now().elements.begin(), w.now().elements.end(), [&](const auto& e) { return w.document().session().responseState(e.first) == Session::ResponseState::Fresh; })) {
         w.trigger("precompute");
-        waitFor([&] { return !w.window().precomputeJob().running(); });
+        waitFor([&] { return !w.window().precompute().job().running(); });
     }
     w.settle();
     const double jump = (w.document().session().renderPositionsOf(character().id) - now).rowwise().norm().maxCoeff();

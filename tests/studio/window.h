@@ -143,7 +143,7 @@ public:
         MainWindow& w = *made_;
         w.viewport().tools().cancel();
         for (auto* dialog : w.findChildren<QDialog*>()) dialog->reject();
-        w.precomputeJob().cancel();
+        w.precompute().job().cancel();
         w.steps().cancel();
         w.accuracy().job().cancel();
         w.deck().stopRecording();

@@ -21,7 +21,7 @@ struct CutFrame {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of the plane, rest -> world
 
     /// A place and a direction of the world as they are at rest.
-    [[nodiscard]] Vec3 atRest(const Vec3& point) const { return restCentre + turn.inverse() * (point - centre); }
+    [[nodiscard]] Vec3 atRest(const Vec3& point) const { return restCentre + rotation.inverse() * (point - centre); }
 };
 
 /// None: there is no such cut.

@@ -61,8 +61,6 @@ constexpr double kInspectorShare = 0.65;  // of the height of the docks on the r
 constexpr int kFrameWide = 16, kFrameHigh = 48;  // that a desktop puts around a window
 constexpr int kWarnAgainMs = 5000;
 constexpr int kPictureMs = 400;          // until the view has drawn what is there now
-constexpr int kAskAgainMs = 500;         // whether a gesture is over
-constexpr double kSoon = 10.0;           // s, of a precompute that follows drafts by itself
 constexpr int kStateVersion = 4;         // of the arrangement of docks in QSettings
 
 }  // namespace
@@ -76,9 +74,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
-    precompute_ = new PrecomputeJob(document_, this);
-    drafts_ = new DraftJob(document_, this);
-    estimates_ = new EstimateJob(document_, [this] { return drafts_->running(); }, this);
+    precompute_ = new PrecomputeFlow(document_, [this] { return viewport_->tools().busy(); }, this);
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
     buildStage();
@@ -86,7 +82,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     docks_ = new StudioDocks(*this, document_, *deck_, *costs_, *actions_);
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
-    states_ = new ActionStates(*actions_, document_, *deck_, *precompute_, *steps_, this);
+    states_ = new ActionStates(*actions_, document_, *deck_, precompute_->job(), *steps_, this);
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     connectDocument();
@@ -124,8 +120,6 @@ MainWindow::~MainWindow() {
     delete states_;
     delete deck_;
     delete precompute_;
-    delete estimates_;
-    delete drafts_;
     delete proposals_;
     delete repairs_;
     delete rigs_;
@@ -163,7 +157,10 @@ void MainWindow::buildStage() {
 }
 
 void MainWindow::buildStatusBar() {
-    status_ = new StatusStrip(document_, [this] { return estimates_->latest() ? std::optional(estimates_->latest()->precompute) : std::nullopt; }, this);
+    status_ = new StatusStrip(document_, [this] {
+        const auto& known = precompute_->estimates().latest();
+        return known ? std::optional(known->precompute) : std::nullopt;
+    }, this);
     auto* bar = new QStatusBar(this);
     bar->setSizeGripEnabled(false);
     bar->setStyleSheet(QStringLiteral("QStatusBar::item { border: none; } QStatusBar { border: none; }"));
@@ -205,7 +202,7 @@ void MainWindow::connectFiles() {
     connect(files_, &FileFlow::worked, this, [this](const QString& text) { messages().withdraw(text); });
     connect(files_, &FileFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
     connect(files_, &FileFlow::opened, this, [this] {
-        precompute_->cancel();
+        precompute_->job().cancel();
         repairs_->cancel();
         steps_->cancel();
         rigs_->job().cancel();
@@ -233,36 +230,22 @@ void MainWindow::connectFiles() {
 }
 
 void MainWindow::connectPrecompute() {
-    overlays_->job().follow(precompute_, [this] { return tr("Precomputing %1").arg(precompute_->element()); });
-    connect(precompute_, &BackgroundJob::progressed, this, [this] {
-        if (precompute_->running()) status_->setBusy(tr("Precomputing %1 %").arg(int(100.0 * precompute_->fraction())));
+    PrecomputeJob* job = &precompute_->job();
+    overlays_->job().follow(job, [job] { return tr("Precomputing %1").arg(job->element()); });
+    connect(job, &BackgroundJob::progressed, this, [this, job] {
+        if (job->running()) status_->setBusy(tr("Precomputing %1 %").arg(int(100.0 * job->fraction())));
     });
-    connect(precompute_, &PrecomputeJob::elementFailed, this, [this](const QString& element, const QString& message) {
-        precomputeFailed_ = true;
-        messages().say(tr("%1: %2", "element, what went wrong").arg(element, message), MessageBar::Tone::Warning);
-    });
-    connect(precompute_, &BackgroundJob::finished, this, [this](bool completed) {
-        status_->setBusy({});
-        const int kept = precompute_->kept();
-        if (kept > 0) files_->autosave().saveSoon();
-        if (std::exchange(byItself_, false)) {  // nobody asked: only failures are told
-            if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
-            return;
-        }
-        if (!completed) messages().say(kept > 0 ? tr("Precompute cancelled; %n element(s) were done and are kept.", nullptr, kept) : tr("Precompute cancelled"), MessageBar::Tone::Info);
-        else if (!precomputeFailed_) messages().say(tr("Precomputed. Drag the end of a bone or a handle with the drag tool (D)."), MessageBar::Tone::Good);
-        if (std::exchange(draftedMeanwhile_, false) && completed) followDrafts();
-    });
-    connect(drafts_, &DraftJob::drafting, this, [this] {
-        if (byItself_) precompute_->cancel();  // it would hold the draft up
-    });
-    connect(drafts_, &DraftJob::drafted, this, &MainWindow::followDrafts);
-    connect(drafts_, &BackgroundJob::finished, estimates_, &EstimateJob::ask);
-    connect(estimates_, &EstimateJob::estimated, this, [this] {
+    connect(job, &BackgroundJob::finished, this, [this] { status_->setBusy({}); });
+    connect(precompute_, &PrecomputeFlow::started, states_, &ActionStates::update);
+    connect(precompute_, &PrecomputeFlow::keptSome, &files_->autosave(), &Autosave::saveSoon);
+    connect(precompute_, &PrecomputeFlow::done, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
+    connect(precompute_, &PrecomputeFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Info); });
+    connect(precompute_, &PrecomputeFlow::warned, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); });
+    connect(&precompute_->estimates(), &EstimateJob::estimated, this, [this] {
+        const auto& costs = precompute_->estimates().latest()->effects;
         status_->update();
-        effects().setCosts(estimates_->latest()->effects);
-        costs_->setPredicted(estimates_->latest()->effects);
-        if (followsDrafts_) followDrafts();
+        effects().setCosts(costs);
+        costs_->setPredicted(costs);
     });
 }
 
@@ -325,18 +308,6 @@ void MainWindow::connectProposals() {
     connect(steps_, &StepFlow::changed, this, [this] {
         if (!steps_->running()) viewport_->tools().handBackProposal();
     });
-}
-
-void MainWindow::followDrafts() {
-    // A passing handle is gone soon, and all is as it was.
-    if (viewport_->tools().busy()) return QTimer::singleShot(kAskAgainMs, this, &MainWindow::followDrafts);
-    draftedMeanwhile_ = precompute_->running();
-    followsDrafts_ = !draftedMeanwhile_ && !estimates_->latest();
-    if (followsDrafts_) return estimates_->ask();
-    if (draftedMeanwhile_ || estimates_->latest()->precompute.seconds > kSoon) return;
-    precomputeFailed_ = false;
-    byItself_ = precompute_->start();
-    states_->update();
 }
 
 void MainWindow::connectPanels() {
@@ -517,7 +488,6 @@ void MainWindow::closeEvent(QCloseEvent* event) {
         return;
     }
     precompute_->cancel();
-    drafts_->cancel();
     QSettings settings;
     settings.setValue(QStringLiteral("window/geometry"), saveGeometry());
     settings.setValue(QStringLiteral("window/docks"), saveState(kStateVersion));

@@ -7,12 +7,10 @@
 #include <functional>
 #include <map>
 
-#include "ui/jobs/draft_job.h"
-#include "ui/jobs/estimate_job.h"
-#include "ui/jobs/precompute_job.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
 #include "ui/tools/tool_kind.h"
+#include "ui/window/precompute_flow.h"
 
 class QStackedLayout;
 
@@ -63,7 +61,7 @@ public:
     [[nodiscard]] TakesPanel& takes();
     [[nodiscard]] HistoryPanel& history();
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
-    [[nodiscard]] PrecomputeJob& precomputeJob() { return *precompute_; }
+    [[nodiscard]] PrecomputeFlow& precompute() { return *precompute_; }
     [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
     [[nodiscard]] StepFlow& steps() { return *steps_; }
     [[nodiscard]] RigFlow& rigs() { return *rigs_; }
@@ -95,8 +93,6 @@ private:
     void connectRepairs();
     void connectSteps();
     void connectProposals();
-    /// What has a draft is precomputed as it is set, where that does not take long.
-    void followDrafts();
     void connectPanels();
     void connectView();
     void restore();
@@ -148,9 +144,7 @@ private:
     FileFlow* files_;
     RigFlow* rigs_;
     RepairFlow* repairs_;
-    PrecomputeJob* precompute_;
-    DraftJob* drafts_;
-    EstimateJob* estimates_;
+    PrecomputeFlow* precompute_;
     ProposalJob* proposals_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
@@ -165,10 +159,6 @@ private:
     ActionStates* states_ = nullptr;
     QPointer<ExportDialog> export_;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said
-    bool precomputeFailed_ = false;
-    bool byItself_ = false;          // the precompute that runs follows drafts: nobody asked for it
-    bool followsDrafts_ = false;     // once it is known what a precompute costs
-    bool draftedMeanwhile_ = false;  // while it precomputed: there is more to do
     bool shown_ = false;
 };
 

@@ -117,12 +117,12 @@ void MainWindow::connectEditActions() {
     on("precompute", [this] { startPrecompute(); });
     const QString softAtOnce = QStringLiteral("precompute/soft-at-once");
     onToggle("soft-at-once", [this, softAtOnce](bool checked) {
-        drafts_->setEnabled(checked);
+        precompute_->drafts().setEnabled(checked);
         QSettings().setValue(softAtOnce, checked);
     });
-    drafts_->setEnabled(QSettings().value(softAtOnce, true).toBool());
-    (*actions_)["soft-at-once"]->setChecked(drafts_->enabled());
-    viewport_->setAwaits([this](PartId element) { return drafts_->awaits(element); });
+    precompute_->drafts().setEnabled(QSettings().value(softAtOnce, true).toBool());
+    (*actions_)["soft-at-once"]->setChecked(precompute_->drafts().enabled());
+    viewport_->setAwaits([this](PartId element) { return precompute_->drafts().awaits(element); });
     const QString passingHandles = QStringLiteral("drag/passing-handles");
     onToggle("passing-handles", [this, passingHandles](bool checked) {
         settle();
@@ -237,15 +237,13 @@ void MainWindow::setTool(ToolKind tool) {
 
 void MainWindow::setPassingHandles(bool on) {
     ToolOptions options;
-    if (on) options.passingHandles = [this](const Element& element) { return drafts_->enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; };
+    if (on) options.passingHandles = [this](const Element& element) { return precompute_->drafts().enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; };
     viewport_->tools().setOptions(std::move(options));
 }
 
 void MainWindow::startPrecompute() {
     settle();
-    precomputeFailed_ = byItself_ = false;
-    if (!precompute_->start()) messages().say(tr("Everything is precomputed already."), MessageBar::Tone::Info);
-    states_->update();
+    precompute_->start();
 }
 
 void MainWindow::propose() {
