@@ -302,7 +302,7 @@ struct InverseKinematics::State {
         Vec3 rest = Vec3::Zero(), now = Vec3::Zero();
         int pins = 0;
         double cosine = 0.0, sine = 0.0, spread = 0.0;
-        Quaterniond turn = Quaterniond::Identity();  // about +Y
+        Quaterniond rotation = Quaterniond::Identity();  // about +Y
     };
     std::vector<int> component;  // per joint point: of the bones that hang together
     std::vector<Stand> stands;   // by component
