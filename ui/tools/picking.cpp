@@ -118,18 +118,28 @@ RayHit onBody(const Session& session, const Element& element, const TriangleTree
     return hit;
 }
 
-/// The skin of an element: what cuts left of the body. None: nothing.
-std::unique_ptr<TriangleTree> skinOf(const Element& element) {
+/// The skin of an element: what cuts left of the body. Null: nothing. Trees are kept while their meshes live; the thread of the window alone asks.
+const TriangleTree* skinOf(const Element& element) {
+    struct Kept {
+        std::weak_ptr<const ElementMesh> mesh;
+        std::unique_ptr<TriangleTree> tree;
+    };
+    static std::map<const ElementMesh*, Kept> kept;
+    std::erase_if(kept, [](const auto& k) { return k.second.mesh.expired(); });
+    const auto [found, isNew] = kept.try_emplace(element.mesh.get());
+    Kept& of = found->second;
+    if (!isNew) return of.tree.get();
+    of.mesh = element.mesh;
     const TriangleMesh& mesh = element.mesh->body;
     std::vector<std::int32_t> skin;
     for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
         if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
-    return skin.empty() ? nullptr : std::make_unique<TriangleTree>(mesh, std::move(skin));
+    if (!skin.empty()) of.tree = std::make_unique<TriangleTree>(mesh, std::move(skin));
+    return of.tree.get();
 }
 
 void addSeenHits(const Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
     const auto& elements = session.document().elements;
-    std::map<PartId, std::unique_ptr<TriangleTree>> skins;
     std::vector<std::int32_t> triangles;
     for (const SeenMesh& seen : seenMeshes(session)) {
         const TriangleMesh& mesh = seen.model().mesh.body;
@@ -140,10 +150,9 @@ void addSeenHits(const Session& session, const Vec3& origin, const Vec3& directi
             const auto element = elements.find(seen.elementOf(t));
             if (element == elements.end() || !element->second->visible || element->second->locked) continue;
             const Vec3 a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)), c = mesh.vertices.row(mesh.triangles(t, 2));
-            auto [skin, isNew] = skins.try_emplace(element->first);
-            if (isNew) skin->second = skinOf(*element->second);
-            if (!skin->second) continue;
-            RayHit hit = onBody(session, *element->second, *skin->second, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
+            const TriangleTree* skin = skinOf(*element->second);
+            if (!skin) continue;
+            RayHit hit = onBody(session, *element->second, *skin, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
             hit.distance = crossed->distance;
             hit.character = seen.source->id;
             hit.seen = t;
