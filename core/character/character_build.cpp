@@ -5,6 +5,7 @@
 #include "core/character/character_state.h"
 #include "core/character/check_input.h"
 #include "core/character/lateral_contraction.h"
+#include "core/touch/touch_contact.h"
 
 namespace imomushi {
 

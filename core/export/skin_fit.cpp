@@ -68,7 +68,7 @@ SmallVector solveWeights(const Small& normal) {
 /// The rigid motion that best fits the deformation of an element by body loads: linear in the weights of its shape, in its own axes.
 struct LoadMotion {
     Vec3 middle = Vec3::Zero();  // m, at rest
-    Eigen::Matrix3Xd shift, turn;  // m and radians per weight; no columns: there are no loads
+    Eigen::Matrix3Xd shift, rotation;  // m and radians per weight; no columns: there are no loads
 };
 
 /// Least squares, each vertex weighted by how far loads move it.

@@ -11,6 +11,7 @@
 #include "core/document/effect_meetings.h"
 #include "core/effects/ground_job.h"
 #include "core/mesh/topology.h"
+#include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
 

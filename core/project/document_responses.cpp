@@ -265,7 +265,7 @@ ResponseEstimate DocumentResponses::estimateOf(PartId element) const {
 }
 
 ResponseEstimate DocumentResponses::estimateOf(const ContentKey& key, const ResponseInput& input) const {
-    const std::pair known(key, input.threads);
+    const std::pair asked(key, input.threads);
     if (const auto known = estimates_.find(asked); known != estimates_.end()) return known->second;
     if (estimates_.size() >= kMaxEstimates) estimates_.clear();
     return estimates_[asked] = estimateResponse(input);
