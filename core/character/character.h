@@ -84,7 +84,7 @@ enum class FrameWarning : unsigned {
     HeldByGround = 64,     ///< a target is in the ground, which keeps its endpoint above (LiveCharacter: no character knows of it)
 };
 
-/// A character that is performed: pose -> joint maps -> v -> A' v -> world positions and normals (model.md section 1, steps 1 and 3).
+/// A live character: pose -> joint maps -> v -> A' v -> world positions and normals (assets/manual/en/model.md, "One element" and "Large motion").
 /// Built once, then update() is the per-frame job: it neither allocates, locks nor fails.
 class Character {
 public:
@@ -103,9 +103,9 @@ public:
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
-    /// The last update() once more in another pose, in the same frame: no time passes, and contact takes one step instead of settling. Times and warnings add up.
+    /// Repeats the last update() with another pose in the same frame: 0 s pass, and contact takes one step instead of converging. Times and warnings of stats() accumulate.
     void correct(const Pose& pose);
-    /// The same where `pose` is the last one shifted as a whole: loads and dents stay, so that flesh moves as far as joint points do.
+    /// As correct(), if `pose` is the last pose translated as a whole: loads and dents are kept, so that the flesh is translated by the same vector.
     void shift(const Pose& pose);
     /// Where a handle is to be in the next update(); at rest until then. False: not finite, or no rotation, and nothing changes.
     bool setHandle(int handle, const HandlePose& pose);
@@ -160,7 +160,7 @@ public:
     [[nodiscard]] Points renderPositions(int mesh) const;
     [[nodiscard]] const std::vector<double>& morphWeights(int mesh) const;  ///< as it is shown
     [[nodiscard]] const Points& renderRestPositions(int mesh) const;  ///< #vertices x 3, m
-    /// Where the vertices of a render mesh that an element moves, in their order there, move in its axes per unit of its weights (ShapeLayout): vertexColumns().
+    /// Displacement, m in the axes of `element`, of the vertices of render mesh `mesh` that it moves, per unit of each of its weights (v, then loads): three rows per vertex in the order of the mesh, one column per weight. See vertexColumns().
     [[nodiscard]] Eigen::MatrixXd renderColumns(int mesh, int element) const;
 
     /// Joint parameters v of an element as last updated (all faces, see ElementResponse), and the rigid motion of its frame.
@@ -171,7 +171,7 @@ public:
     /// were seen, whatever effects had a part in them, if keepExact() was on. Neither allocates.
     [[nodiscard]] ShapeLayout shapeLayout() const;
     void shape(double* numbers) const;
-    /// Between the effects of two updates; the next update() goes on as if nothing had been shown.
+    /// Shows the shape `numbers` (from shape()) without advancing effects. The next update() continues from the state before show().
     void show(const double* numbers);
     /// Between two shapes, `part` 0...1 of the way: rigid motions turn and move evenly, parameters are linear.
     void between(const double* from, const double* to, double part, double* numbers) const;
@@ -180,7 +180,7 @@ public:
 
     /// Where body vertices are at rest as they are shown: welded ones at the place of their partner. m
     [[nodiscard]] Points restPositions(int element) const;
-    /// The body vertices that joints place, and where they are, m, world: at once, when others are not asked for.
+    /// Body vertices whose position a joint sets, and their positions in the last update(), m, world. Does not evaluate other vertices.
     [[nodiscard]] std::vector<std::int32_t> heldVertices(int element) const;
     [[nodiscard]] Points heldPositions(int element) const;
     /// Columns of ElementResponse::loads that follow v in the weights of a shape.
@@ -190,7 +190,7 @@ public:
     /// How much of the bend warp is shown, 0 ... 1: less than all where it is automatic.
     [[nodiscard]] double warpPart(int element) const;
 
-    /// What the product A' v does in the pose of the last update(), per element, whatever effects make of it; at rest without a response. The first call makes tables.
+    /// Measures the linear shape A' v of each element in the pose of the last update(), without bend warp, loads and dents. Elements without a response get the values of rest. The first call builds tables (missingWatches()).
     [[nodiscard]] std::vector<PoseMeasures> measurePose();
     /// What measurePose() would make first, about 10 ms each: for any threads, in any order. Empty: nothing.
     [[nodiscard]] std::vector<std::function<void()>> missingWatches() const;

@@ -10,8 +10,8 @@
 
 namespace imomushi {
 
-/// With what others than Character::update() deform the surfaces of a character, on a graphics card: what never changes, and per element
-/// the numbers of the frame, of which there are as many as joint parameters. Pointers are into the character, and valid as long as it.
+/// Data to deform the surfaces outside of Character::update(), for example on a graphics card:
+/// constant tables, and per element the numbers of the frame, about as many as joint parameters. Pointers are into the character, and valid as long as it.
 ///
 /// Free vertices:  x = placement(shape(rest) + sum over modes of weight * response)      (VertexBlocks; m, world)
 ///                 with a joint part  + (linear part of joints[face] - linear part of placement) offset
@@ -45,7 +45,7 @@ struct DeformInput {
     };
     struct Element {
         bool possible = false;                ///< Character::deformExternally() is not refused
-        bool external = false;                ///< in this frame; else `positions` are up to date; under a render mesh those that it needs, others once surface() was asked for
+        bool external = false;                ///< true: deformed outside in this frame; false: `positions` are up to date, under a render mesh only the vertices that it needs, until surface() is called
         const float* positions = nullptr;     ///< #vertices x 3, m, world
         int vertices = 0;                     ///< of the body, then a gap and embedded points where it has them
         int bodyVertices = 0, faces = 0;

@@ -35,8 +35,8 @@ struct ElementTables {
     bool operator==(const ElementTables&) const = default;
 };
 
-/// The embedded points of an element as frames read them. Among the element's vertices they follow those of the body and a gap: point i is vertex first + i, then
-/// come kFrameVertices per attached part: its pivot, and points in x, y and z from there (reach, m).
+/// Layout of the embedded points in a frame. Vertices of an element are, in this order: body vertices, padding, embedded points (point i is
+/// vertex first + i), then kFrameVertices per attached part: its pivot and the points at distance `reach` (m) from it along x, y and z.
 struct EmbeddedTables {
     static constexpr std::size_t kFrameVertices = 4;
     std::size_t first = 0;
@@ -108,7 +108,7 @@ struct ElementRuntime {
     std::shared_ptr<const DentSurface> dents;    ///< null: not asked for
 };
 
-/// What the bases of joint faces say of their vertices: take(body vertex, first column of its face in v, 3 x columns of its face: displacement (m) per unit of v).
+/// Calls take(vertex, column, block) for each body vertex of a joint face. `column`: first parameter of the face in v. `block`: 3 x parameters of the face, displacement in m per unit of them.
 void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take);
 
 /// The runtimes of a character by their input.

@@ -98,8 +98,8 @@ struct ElementState {
     Eigen::VectorXd v;
     Eigen::VectorXd withLoads;       // v, then loads; without such columns: empty
     Eigen::VectorXd jointForces;     // of loads on its joints, see ElementResponse::loadForces; empty: none
-    // On its patches, over its shear modulus, m^2, in its axes (TouchResponse); empty: nothing presses it. Who knows them adds them in Stage::Weights; who must see
-    // `local` for them asks for it there, and adds them in Stage::Dents.
+    // Forces on its touch patches, three per patch, divided by its shear modulus, m^2, along its rest axes. Empty: it has no touch tables. A frame
+    // starts at 0. A job adds its forces in Stage::Weights; if it needs `local` first, it sets wantsLocal there and adds them in Stage::Dents.
     Eigen::VectorXd patchForces;
     // Under finger tips (DentSurface); empty: the touch of this element has none. Added together with forces on patches.
     std::vector<Dent> fingerDents, shownFingerDents;
@@ -107,7 +107,7 @@ struct ElementState {
     /// Where a free vertex is in the element's frame, m, by `local` or what has its layout.
     [[nodiscard]] Vec3 localAt(std::int32_t vertex, const float* blocksOf) const;
 
-    double aloft = 1.0;              // 0: its flesh lies on the ground, as of the last frame, which carries it; 1: it is well above; always 1 without a ground
+    double aloft = 1.0;              // height of its lowest flesh above the ground in the last frame, over 0.1 sizes of the element, 0...1; 1 without a ground
 
     // Of the bend warp: how much of it is shown, 0 (the product alone, nothing is computed) ... 1; it fades where it is automatic (weighEffects()).
     double warpPart = 0.0;
@@ -123,7 +123,7 @@ struct ElementState {
     Eigen::VectorXd shownWeights;
     std::vector<AffineMap> shownJoints;          // per face
     std::vector<Eigen::Matrix3Xd> shownWarping;  // per face, with smooth joints
-    bool shown = false, moved = false;  // moved, Stage::Weights: its joints, frame, turns or shape are not those that were shown; later: what is shown changes
+    bool shown = false, moved = false;  // moved: in Stage::Weights, frame, joints, turns or shape differ from those shown last; after it, also if dents or the place of evaluation change
     bool sameShape = false;          // its weights and warp are those that were shown
     Eigen::VectorXd shownPatchForces;
     bool localShown = false;         // `local` belongs to shownWeights

@@ -19,9 +19,9 @@ namespace imomushi {
 
 /// How an element looks in a pose as its linear response shows it, A' v: what a body would not do.
 struct PoseMeasures {
-    double area = 1.0;    ///< the smallest of its triangles, over that at rest, seen along its turned normal: 0 or less, it folds
+    double area = 1.0;    ///< smallest signed area of the watched triangles over that at rest, projected on the rest normal turned with the joint face (not, half or fully: the largest counts); 0 or less: a triangle is inverted
     double depth = 1.0;   ///< of the vertex nearest to the plane of a joint face, over that at rest: 0 or less, it crosses the plane
-    double volume = 0.0;  ///< relative error, against what its stretch makes of it
+    double volume = 0.0;  ///< volume of A' v over the volume that the stretch of the joint faces alone would give, minus 1
     double bend = 0.0;    ///< rad, 0 ... 2 pi: the largest rotation of a joint face against the element, bend and twist together
     double crease = 0.0;  ///< rad: how far a triangle beside a joint face turns away from how the face turns
 };

@@ -29,7 +29,7 @@ struct Services {
     std::function<Result<SavedProject>(const std::filesystem::path&, const Project&, const VersionLimits&)> write;  ///< for "save"
 };
 
-/// importFile(), importCharacter(), makeBodyOf(), proposeFor(), loadProject(), storeProject().
+/// The functions of core: importFile(), importCharacter(), makeBody(), proposeFor(), loadProject(), storeProject().
 Services coreServices();
 
 }  // namespace imomushi

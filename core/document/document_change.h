@@ -48,7 +48,7 @@ struct DocumentChange {
 
 /// What differs, as it is in `before`. Time grows with the number of parts, not with their size.
 DocumentChange difference(const Document& before, const Document& after);
-/// What passes with time aside, the two are the same.
+/// True if the documents differ in Document::pose at most. A gliding target counts as a difference.
 [[nodiscard]] bool differInPoseAtMost(const Document& before, const Document& after);
 void exchange(Document& document, DocumentChange& change);
 

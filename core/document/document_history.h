@@ -31,9 +31,9 @@ public:
     Document& edit() { return document_; }
     /// Makes what changed since `before` one undo step, or a part of the gesture that goes on. `line`: the command, for the script.
     void commit(Step step, const Document& before, const Json& line);
-    /// What it was until now. Takes no memory.
+    /// Makes `before` the document again. Returns the document as it was at the call. Does not allocate.
     Document rollBack(Document&& before) noexcept { return std::exchange(document_, std::move(before)); }
-    /// Makes `after` the document, as one undo step of its own, in the middle of a gesture too: that is one step until here and another from here on. `lines`: for the script.
+    /// Makes `after` the document, as one undo step of its own. In an open gesture, its commands so far become a step before this one, and the gesture goes on as a new step. `lines`: for the script.
     void addStep(Step step, Document after, const std::vector<Json>& lines);
 
     // ---- what passes with time is no step

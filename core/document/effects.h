@@ -23,14 +23,14 @@ struct Document;
 using PartId = std::uint64_t;
 
 /// What a scene may ask for beyond the static pose (model.md section 6). All are off until they are enabled; one that is off has no state, no columns
-/// and no row in the statistics. Everything else about an effect stands in one row of the table in effects.cpp.
+/// and no row in the statistics. effects.cpp describes each effect in one row of a table.
 enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Contact, Ground, kCount };
 inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);
 
 struct Effect {
     bool enabled = false;
     bool automatic = false;      ///< enabled, and acts only where and while a pose calls for it (EffectDescriptor::canBeAutomatic)
-    std::set<PartId> elements;   ///< on these alone; empty: on all
+    std::set<PartId> elements;   ///< the elements it acts on; empty: all, with automatic contact none yet (effect_meetings.h)
     std::vector<double> values;  ///< of effectProperties(), vectors as three numbers
     bool operator==(const Effect&) const = default;
 };
@@ -85,15 +85,15 @@ enum class EffectScope {
 struct EffectDescriptor {
     EffectScope scope = EffectScope::Character;
     bool seesFlesh = false;  ///< of bones: a job tells it of each frame where flesh is
-    int mostRead = std::numeric_limits<int>::max();  ///< of the columns that it asks for, that a frame reads
+    int mostRead = std::numeric_limits<int>::max();  ///< largest number of its columns that one frame reads, to predict frame times
     /// It needs the tractions of responses in the basis "full".
     bool tractions = false;
     /// It follows from how a character moves in time: an export without a take drops it.
     bool inTime = false;
     /// It can wait until a pose calls for it, on each element as far as it does, and costs nothing meanwhile.
     bool canBeAutomatic = false;
-    /// Predicted cost of a frame besides its columns, in pairs of a collocation point and a triangle, whose time is measured on every machine (machineRates()).
-    /// Predictions are replaced by what is measured once frames pass. Null: nearly nothing. For effects on bones a few frames are tried out, too.
+    /// Predicted time per frame without its columns, as a number of pairs (collocation point, triangle); machineRates() has the time of a pair on this
+    /// machine. The studio shows measured times once frames pass. Null: negligible. Effects on bones add a trial run (Performance::predict()).
     double (*pairs)(const Document&) = nullptr;
 
     /// It has a job in the frames of a character.

@@ -9,8 +9,8 @@
 
 namespace imomushi {
 
-/// Moves the bones of a document as a clip moves the skeleton of a file. A bone turns with the bone of the file that has its name, else as the one that it starts together
-/// with, else with one that starts where it starts, else with its parent's, else with the nearest one. A joint point at the head of a bone of the file goes where that goes;
+/// Moves the bones of a document as a clip moves the skeleton of a file. A document bone follows the first of: the file bone of its name; the one that its parent follows, if both start at
+/// one point; a file bone whose head is at its start; the one that its parent follows; the nearest file bone. A joint point at the head of a bone of the file goes where that goes;
 /// any other is carried rigidly.
 class RigFollower {
 public:

@@ -16,8 +16,8 @@
 
 namespace imomushi {
 
-/// Rows of numbers, one per frame. Numbers that do not change for some seconds are not kept for each frame of these: hours are recorded as they come, and copies share
-/// what they have in common.
+/// Rows of numbers, one per frame. Frames are stored in blocks of kRows. A number that is constant
+/// in a block is stored at most once. Copies share blocks.
 class FrameNumbers {
 public:
     /// Frames of a block; the last one may have fewer.

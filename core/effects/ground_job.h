@@ -36,9 +36,9 @@ struct GroundEffect : EffectOf<GroundEffect> {
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 
-/// Where the flesh is that a plane may meet: some body vertices of each element, chosen once, of which one is near the lowest whatever lies below, however the
-/// element is bent. They are where pose, loads and bend warp have them, without dents, which are what the ground makes of them. Evaluated here whoever deforms the
-/// element. Where it is warped or dented, which is done here alone and as no sample foresees, its depth is that of all its vertices as they are shown.
+/// Positions of the flesh near the ground. The constructor chooses body vertices (at most kPerPoint of an element around one joint point) so
+/// that one is close to the lowest vertex in any direction, at rest and bent. Each frame computes their positions from pose, loads and bend
+/// warp, without dents, also if the element is deformed outside. depths() uses all vertices as shown if the element is warped or dented.
 class GroundJob final : public EffectJob<GroundEffect> {
 public:
     GroundJob(const Frame& frame, const GroundEffect& settings);

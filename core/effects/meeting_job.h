@@ -11,8 +11,8 @@
 
 namespace imomushi {
 
-/// Contact that waits: tells which elements come near flesh of others for the first time, from few points of each surface and without patches. What cannot press (no response) is left
-/// out. Points that are near each other at rest count when elements without a common joint come half as near again; those at a joint, where flesh folds anyway, do not.
+/// For automatic contact: finds elements that come near others and have no patches yet, from at most kPoints points of each. Elements without a
+/// response are left out. Points that are near each other at rest count only if their elements share no joint and their distance is halved.
 class MeetingJob final : public FrameJob {
 public:
     /// pressing: there is a ContactJob, whose time this adds to. met: see ContactEffect.

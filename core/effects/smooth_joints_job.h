@@ -5,7 +5,7 @@
 
 namespace imomushi {
 
-/// Joints take the shape that balances their elements (joint_equilibrium.h) instead of a = b = 1 + c s. Not beside the previous model, which shapes joints
+/// Joints take the shape that balances their elements (joint_equilibrium.h) instead of the in-plane stretch of lateral contraction (lateral_contraction.h). Not beside the previous model, which shapes joints
 /// itself.
 struct SmoothJointsEffect : EffectOf<SmoothJointsEffect> {
     static constexpr std::string_view kName = "smooth-joints";

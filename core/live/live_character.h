@@ -34,7 +34,7 @@ public:
     /// Both must outlive this.
     LiveCharacter(DocumentHistory& history, DocumentResponses& responses);
 
-    /// Null: there is none, or it cannot be built. It is not here any more then.
+    /// Builds the character if needed and moves it out of this object; the next query builds a new one. Null: there is no character, or it cannot be built.
     [[nodiscard]] std::shared_ptr<const BuiltCharacter> release();
     /// built() takes over what fits when it builds next.
     void reuse(std::shared_ptr<const BuiltCharacter> built) { reusable_ = std::move(built); }
@@ -75,11 +75,11 @@ public:
     };
     /// Solves the static pose towards the targets. With bone dynamics the shown pose follows as frames pass. Errors: those of built().
     Result<Convergence> converge();
-    /// The pose becomes the rest pose, as far as targets allow: where bone dynamics take a body that is let go. Errors: those of built().
+    /// Sets the document's pose to rest and solves inverse kinematics towards the targets, at most 200 times. Does not update the character: bone dynamics move it there in the next frames. Errors: those of built().
     Result<void> returnToRest();
-    /// Deforms the character to the document's pose; no time passes, and what swings goes on swinging.
+    /// Updates the character without advancing time: to the present pose of bone dynamics if they are on, else to the document's pose, raised above the ground if that effect is on. Velocities are kept. Ends the display of a take.
     void showPose();
-    /// The same, and nothing moves any more.
+    /// Resets all motion of bones and effects, then showPose().
     void jumpToPose();
     /// Puts a finger of the document on the character. False: it cannot be touched there.
     bool putFinger(const Touch& touch);
@@ -123,7 +123,7 @@ public:
     /// Shows a take at a time (s). False: its poses alone, as the character is another one. Errors: those of built(), "no-element".
     Result<bool> showTake(const Take& take, double time);
     [[nodiscard]] bool showsTake() const { return shownTake_.has_value(); }
-    /// The take was recorded on this character, so that its shapes fit.
+    /// True if the take has the element ids and the shape layout of this character, so that its shapes can be shown. Meshes are not compared.
     [[nodiscard]] bool fits(const Take& take) const;
 
     // ---- following the document: what the session calls when it has changed

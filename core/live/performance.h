@@ -28,17 +28,17 @@ public:
     /// Takes over the settings of effects and keeps the motion. Errors: as in build(); then nothing changes.
     Result<void> set(const Effects& effects);
 
-    /// Stops at `kinematic`, where `goals` hold points.
+    /// Sets the pose to `kinematic` with zero velocity. Without bone dynamics it is raised above the ground at once, and a goal that the ground lifts sets the warning HeldByGround; with bone dynamics `goals` are not used.
     void reset(const Pose& kinematic, std::span<const IkGoal> goals);
     /// One frame: the per-frame job. `seconds` > 0.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
-    /// The flesh that the ground meets (Character::groundFlesh()), as it is shown with these joint points. The next frame holds it. Seeing what is shown, not what will be, leaves one
-    /// way from bones to flesh; where nothing moves both are the same.
+    /// Takes the flesh near the ground as last shown (groundFlesh() in ground_job.h) and the joint points it was shown with (m, world). The
+    /// next step() keeps this flesh above the ground, so the ground reacts one frame late. Does nothing without the effect "ground".
     void seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points);
 
-    /// Where flesh came deep into the ground within one frame, faster than bones follow, pose() is lifted out of it until the next step(). False: there is none.
+    /// If the flesh of the last seeFlesh() is deeper in the ground than 0.005 sizes of the skeleton, raises the joint points of pose() until the next step(). False: nothing was raised.
     bool lift();
-    /// Where flesh is still there, as it does not follow the joint points next to it, or deeper than contact may press it: lifts whole characters. False: there is none.
+    /// Translates each connected group of bones and elements up until none of its `depths` exceeds 0.005 sizes of the skeleton (0.01 with contact). False: none did.
     bool liftWhole(std::span<const FleshDepth> depths);
 
     [[nodiscard]] const Pose& pose() const { return dynamics_ && !lifted_ ? dynamics_->pose() : raised_; }

@@ -15,7 +15,7 @@ namespace imomushi {
 /// divided into triangles.
 struct DiscMesh {
     SolverMesh mesh;                 ///< the same polyhedron, finer near discs
-    std::vector<char> exact;         ///< per face: held is its disc, not 0, or its triangles, 0
+    std::vector<char> exact;         ///< per face, 1: its disc is held; 0: its triangles are held
     /// In which disc body vertices lie that are in no face: they move as it does.
     struct Inside {
         std::int32_t vertex = 0, face = 0;

@@ -64,13 +64,13 @@ public:
     /// The fresh one, or the last one of another nu while it still fits, or a draft. Null: none.
     [[nodiscard]] std::shared_ptr<const ElementResponse> fittingOf(PartId element) const;
     [[nodiscard]] ResponseState stateOf(PartId element) const;
-    /// It answers all that the element asks for: what freshOf() would give if nothing else were there.
+    /// True if `response` has one of the keys that answer the present request of the element, and body loads if they are requested. Does not look into the store.
     [[nodiscard]] bool isFresh(PartId element, const StoredResponse& response) const;
     /// The fitting one is a draft (inputOfDraft()), not what the element's settings ask for.
     [[nodiscard]] bool isDraft(PartId element) const;
 
     // ---- what it costs
-    /// Known already or not; where it is shared, without what it is shared from.
+    /// Cost of the precompute, whether or not the response exists. Of a shared response: the cost of carrying it over, without solving its source.
     [[nodiscard]] ResponseEstimate estimateOf(PartId element) const;
     /// What it costs to have an effect, on or off now; of effects on bones what their jobs on flesh cost (see effectCost()).
     [[nodiscard]] EffectCost costOf(EffectKind effect) const;
@@ -78,8 +78,8 @@ public:
     // ---- computing
     /// The fresh response of an element with joint faces: known, taken over from a congruent element, or solved now. Errors: those of buildResponse().
     Result<std::shared_ptr<const ElementResponse>> compute(PartId element, const Progress& progress);
-    /// Solves those of the elements that are not known yet and are not taken over from others at once, as many as there are threads, where tetrahedra solve them and memory lets
-    /// them: what follows finds them fresh. Those that were; one that fails is left for compute() to tell.
+    /// Solves several elements in parallel: those without a fresh or shared response for which solvedBesideOthers() holds, if
+    /// there are at least two. Returns those that were solved. It skips elements that fail; compute() reports their error.
     std::set<PartId> computeTogether(std::span<const PartId> elements, const Progress& progress);
     /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
@@ -101,7 +101,7 @@ public:
         std::map<PartId, StoredResponse> last;
         std::set<ContentKey> unsaved;
     };
-    /// Another document took the place of this one, with responses that the store has. Those of the one before.
+    /// Replaces the remembered responses by those of another document, which the store must have. Returns the old ones.
     Remembered replace(Remembered by);
 
 private:

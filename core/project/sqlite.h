@@ -78,13 +78,13 @@ public:
 
     /// The tables that hold rows, by name: no views, no virtual tables.
     [[nodiscard]] std::vector<std::string> tables();
-    /// Of the names of all tables() and the types and bytes of their values, row by row, but for the digest that seal() wrote: 32 hexadecimal digits.
+    /// Hash of the names of all tables() and of the types and bytes of their values, row by row, without the row of the digest itself. Returns 32 hexadecimal digits.
     [[nodiscard]] std::string digest();
     /// The last thing that is written: a table "info" with the name of the program and the digest.
     void seal();
     /// Throws DatabaseError where the content is not what was sealed.
     void checkSeal();
-    /// Everything that `model` has is here, to the letter; throws DatabaseError where it is not. What is here besides: tables, views and triggers, by name.
+    /// Throws DatabaseError unless each table, index, view and trigger of `model` is here with the same SQL text. Returns the names of those that only this database has.
     [[nodiscard]] std::vector<std::string> compareSchema(Database& model);
 
     static constexpr const char* kPartTable = "value_parts";

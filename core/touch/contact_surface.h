@@ -39,13 +39,13 @@ public:
     static constexpr double kOpposed = -0.1;
     /// Radians by which surfaces turn against each other, at most, for what is said of them at rest to hold.
     static constexpr double kMostTurn = 0.5;
-    /// m: at rest, no samples of two surfaces that a turn by kMostTurn may oppose to each other are nearer. Where the surfaces are farther apart than half of the
-    /// smaller one, it is the distance of their boxes. Infinite: there are no such samples.
+    /// Smallest rest distance, m, of two samples whose normals can become opposed (kOpposed) by a turn of kMostTurn and as much deformation. If
+    /// the boxes are farther apart than half the size of the smaller surface: the distance of the boxes. Infinite: there are no such samples.
     [[nodiscard]] static double clearance(const ContactSurface& a, const ContactSurface& b);
     [[nodiscard]] double ownClearance() const { return ownClearance_; }  ///< with itself
     /// Over the middles of patches at rest, each within its radius and `reach` times as far.
     [[nodiscard]] BoxTree patchTree(double reach) const;
-    /// Others around it cannot.
+    /// True if some triangle at this vertex cannot be touched.
     [[nodiscard]] bool onBorder(std::int32_t vertex) const { return border_[static_cast<std::size_t>(vertex)] != 0; }
     [[nodiscard]] std::size_t bytes() const { return corners_.bytes() + border_.size() + sizeof(std::int32_t) * vertex_.size(); }
 

@@ -49,7 +49,7 @@ public:
     [[nodiscard]] Dent at(const TouchSurface::Point& point, const Eigen::VectorXd& weights) const;
     /// m: a contact with a smaller radius would fall between the vertices there.
     [[nodiscard]] double narrowest(const TouchSurface::Point& point) const;
-    /// By how much the middle of a contact goes in per force (1/m) times its radius.
+    /// Normal displacement at the middle of a contact per unit of force, times the radius of the contact: 3/8 (1 - nu).
     [[nodiscard]] double depth() const;
     /// Displacement of a vertex per force of the dent, 1/m.
     [[nodiscard]] Eigen::Matrix3d compliance(const Dent& dent, std::int32_t vertex) const;

@@ -71,7 +71,7 @@ public:
 
     /// One frame: `seconds` pass (>= 0; anything else counts as 0).
     void step(double seconds);
-    /// The pose that fingers held for long leave.
+    /// Solves for fingers that have been held still for long: they have come in fully, and dents of lifted fingers are gone.
     void converge();
 
     [[nodiscard]] bool down(int finger) const { return fingers_[static_cast<std::size_t>(finger)].down; }

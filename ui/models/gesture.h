@@ -8,8 +8,8 @@
 
 namespace imomushi {
 
-/// One undo step of several commands. Takes the commands back unless commit() was called: no path leaves a gesture open. One that begins while another goes on is a
-/// part of that.
+/// One undo step of several commands. The destructor of the outermost gesture undoes all commands since its constructor unless
+/// commit() was called. A nested gesture belongs to the outer one: its destructor undoes nothing.
 class Gesture {
 public:
     explicit Gesture(StudioDocument& document) : document_(&document), outer_(document.gestures_++ == 0) {

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] double from() const { return from_; }
     [[nodiscard]] double to() const { return to_; }
     [[nodiscard]] bool marked() const { return from_ > 0.0 || to_ < length_; }  ///< that is not the whole take
-    /// Takes the frames next to these times; what changes stays a frame away from the other one at least.
+    /// Sets the span to the frames nearest to these times (s). The end that changes stays at least one frame away from the other.
     void setSpan(double from, double to);
     void trim();
     /// Under a name of its own; the copy becomes the chosen take.

@@ -30,7 +30,7 @@ public:
     void poseChanged();
 
 Q_SIGNALS:
-    void aboutToStep();  ///< what the next frame is to follow must be known now
+    void aboutToStep();  ///< emitted at the start of each tick, before the frame is stepped: apply pending input now
     void ticked();
 
 private:

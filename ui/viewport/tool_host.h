@@ -33,7 +33,7 @@ public:
     /// Steps of the tool's own come before those of the document. False: it has none.
     bool undo();
     bool redo();
-    /// Another tool follows one whose work is done, once nothing of it runs any more.
+    /// If the tool is over(), chooses the select tool after the current event.
     void leaveIfOver();
 
     /// Shows how a character would be made soft, to be changed, accepted or left.

@@ -56,7 +56,7 @@ public:
     /// What deforms vertices: the GPU what it can and the processor the rest, or the processor all. Automatic: the GPU, unless OpenGL is software.
     enum class DeformOn { Automatic, Processor, Gpu };
     void setDeformOn(DeformOn where);
-    /// Automatic: smooth edges, where the processor draws on still pictures only, with half as many pixels each way while something moves. Fast: that always. Fine: never.
+    /// Automatic: antialiased at full resolution; with software OpenGL only while nothing moves, and half resolution without antialiasing while something moves. Fast: always half resolution. Fine: always full resolution, antialiased.
     enum class PictureQuality { Automatic, Fast, Fine };
     void setPictureQuality(PictureQuality quality);
     void setViewAxis(ViewAxis axis);
@@ -83,7 +83,7 @@ public:
     [[nodiscard]] CameraController& cameraController() { return camera_; }
     /// What is shown now; null where there is no OpenGL.
     [[nodiscard]] QImage grabFramebuffer();
-    /// Something is shown between what it was and what it is, or as it was until it is soft.
+    /// True while a body blends from its previous shape into the new one, or keeps the previous shape because its response is being computed.
     [[nodiscard]] bool fading() const { return fade_.active(); }
 
     [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }

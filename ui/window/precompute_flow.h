@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// What makes elements soft beside the window: drafts by themselves, then what they are drafts of where that does not take long, and all of it when somebody asks.
+/// Runs precomputes in the background. Drafts start by themselves; the full precompute follows by itself if it is estimated at 10 s or less; start() runs it on request.
 class PrecomputeFlow : public QObject {
     Q_OBJECT
 public:
