@@ -72,7 +72,7 @@ void Character::State::showShape(std::chrono::steady_clock::time_point start) {
     frame.share(bytes, normalPieces, [&elements](const Piece& p) {
         auto& out = elements[p.element];
         if (out.moved && !out.pending)
-            findNormals(out.positions.data(), out.runtime->stencils.data(), static_cast<float>(out.runtime->scale()), p.begin, p.end, out.normals.data());
+            findNormals(out.positions.data(), out.runtime->stencils.data(), static_cast<float>(out.runtime->inverseSize()), p.begin, p.end, out.normals.data());
     });
     for (auto& e : elements) holdNormals(e);
     closeSeams();
@@ -123,7 +123,9 @@ void Character::stop() { state_->frame.stopped = true; }
 
 void Character::tune(const CharacterEffects& effects) { state_->jobs.tune(effects); }
 
-FrameJobs& Character::jobs() const { return state_->jobs; }
+FrameJobs& Character::jobs() { return state_->jobs; }
+
+const FrameJobs& Character::jobs() const { return state_->jobs; }
 
 const Pose& Character::pose() const { return state_->frame.pose; }
 

@@ -123,10 +123,15 @@ public:
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);
-    [[nodiscard]] FrameJobs& jobs() const;
+    [[nodiscard]] FrameJobs& jobs();
+    [[nodiscard]] const FrameJobs& jobs() const;
     /// The job of one of its effects, for what that takes and tells besides settings; null: it has none. It stays while the character does.
     template <class Job>
-    [[nodiscard]] Job* job() const {
+    [[nodiscard]] Job* job() {
+        return jobs().template find<Job>();
+    }
+    template <class Job>
+    [[nodiscard]] const Job* job() const {
         return jobs().template find<Job>();
     }
 

@@ -43,7 +43,7 @@ void Character::State::buildDeformInput() {
         out.bodyVertices = static_cast<int>(runtime.vertices);
         out.faces = static_cast<int>(from.jointOf.size());
         out.places = out.faces + static_cast<int>(from.parts.size());
-        out.scale = static_cast<float>(runtime.scale());
+        out.scale = static_cast<float>(runtime.inverseSize());
         out.blocks = from.blocks.view();
         out.free = runtime.free;
         out.stencils = runtime.stencils.data();
@@ -159,7 +159,7 @@ void Character::State::evaluateHere(std::size_t e) {
     out.work = VertexWork::None;
     holdVertices(out);
     frame.share(out.blocks.count() * out.blocks.bytesPerBlock(), normalPieces, [&](const Piece& p) {
-        if (mine(p)) findNormals(out.positions.data(), out.runtime->stencils.data(), static_cast<float>(out.runtime->scale()), p.begin, p.end, out.normals.data());
+        if (mine(p)) findNormals(out.positions.data(), out.runtime->stencils.data(), static_cast<float>(out.runtime->inverseSize()), p.begin, p.end, out.normals.data());
     });
     holdNormals(out);
 }

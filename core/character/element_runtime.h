@@ -79,7 +79,7 @@ struct ElementRuntime {
     /// What `known` holds of the same tables is taken over.
     static Result<std::shared_ptr<const ElementRuntime>> build(Input input, const ElementRuntimes& known);
 
-    [[nodiscard]] double scale() const { return size > 0.0 ? 1.0 / size : 1.0; }
+    [[nodiscard]] double inverseSize() const { return size > 0.0 ? 1.0 / size : 1.0; }
     [[nodiscard]] int columns() const { return input.response ? input.response->columns() : 0; }  ///< of v
 
     /// Null: without a response or joint faces. The first call builds it; any thread may call.

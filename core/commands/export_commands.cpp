@@ -74,7 +74,7 @@ Json effectJson(const ExportPlan& plan, const ExportReport& report, EffectKind k
         return answer;
     };
     const EffectDescriptor& effect = effectDescriptor(kind);
-    if (effect.inTime && !plan.performed) return told("dropped");
+    if (effect.dependsOnMotion && !plan.performed) return told("dropped");
     if (plan.options.layout == ExportLayout::Cache) return told("exact");
     const bool ofBones = effect.scope == EffectScope::Bones;
     if (plan.options.layout == ExportLayout::Skinned) return ofBones ? told("exact") : fitted(report.skinned);

@@ -83,16 +83,16 @@ double jointDynamicsPairs(const Document& document) { return kDynamicPairs * joi
 
 // By kind.
 constexpr EffectDescriptor kTable[] = {
-    row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones, .inTime = true}),
+    row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones, .dependsOnMotion = true}),
     row<SmoothJointsEffect>(EffectKind::SmoothJoints, {.pairs = smoothJointsPairs}),
     row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .canBeAutomatic = true, .pairs = bendWarpPairs}),
-    row<JointDynamicsEffect>(EffectKind::JointDynamics, {.inTime = true, .pairs = jointDynamicsPairs}),
-    row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .inTime = true, .pairs = previousModelPairs}),
+    row<JointDynamicsEffect>(EffectKind::JointDynamics, {.dependsOnMotion = true, .pairs = jointDynamicsPairs}),
+    row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .dependsOnMotion = true, .pairs = previousModelPairs}),
     row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements}),
     row<InflateEffect>(EffectKind::Inflate, {.scope = EffectScope::Elements}),
     // Fingers read the columns of the patches around them, about a dozen; what presses, those of two bodies.
-    row<TouchEffect>(EffectKind::Touch, {.scope = EffectScope::Elements, .mostRead = 36}),
-    row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements, .mostRead = 36, .canBeAutomatic = true}),
+    row<TouchEffect>(EffectKind::Touch, {.scope = EffectScope::Elements, .maxColumnsRead = 36}),
+    row<ContactEffect>(EffectKind::Contact, {.scope = EffectScope::Elements, .maxColumnsRead = 36, .canBeAutomatic = true}),
     row<GroundEffect>(EffectKind::Ground, {.scope = EffectScope::Bones, .seesFlesh = true, .pairs = groundPairs}),
 };
 static_assert(std::size(kTable) == kEffects);
@@ -182,7 +182,7 @@ bool Effects::has(EffectKind kind, PartId element) const {
     return effect.enabled && (effect.elements.empty() ? !waitsToMeet(*this, kind) : effect.elements.contains(element));
 }
 
-int Effects::place(EffectKind kind, std::string_view property) {
+int Effects::valueOffset(EffectKind kind, std::string_view property) {
     int at = 0;
     for (const EffectProperty& p : effectProperties(kind)) {
         if (p.name == property) return at;
@@ -192,13 +192,13 @@ int Effects::place(EffectKind kind, std::string_view property) {
 }
 
 double Effects::number(EffectKind kind, std::string_view property) const {
-    const int at = place(kind, property);
+    const int at = valueOffset(kind, property);
     assert(at >= 0);
     return (*this)[kind].values[static_cast<std::size_t>(at)];
 }
 
 Vec3 Effects::vector(EffectKind kind, std::string_view property) const {
-    const int at = place(kind, property);
+    const int at = valueOffset(kind, property);
     assert(at >= 0);
     return Vec3::Map((*this)[kind].values.data() + at);
 }

@@ -58,7 +58,7 @@ public:
         return *settingsAs<T>(*settings(kind));
     }
     /// Where the values of a property begin in Effect::values, -1: there is no such property.
-    static int place(EffectKind kind, std::string_view property);
+    static int valueOffset(EffectKind kind, std::string_view property);
 
     bool operator==(const Effects&) const = default;
 
@@ -85,11 +85,11 @@ enum class EffectScope {
 struct EffectDescriptor {
     EffectScope scope = EffectScope::Character;
     bool seesFlesh = false;  ///< of bones: a job tells it of each frame where flesh is
-    int mostRead = std::numeric_limits<int>::max();  ///< largest number of its columns that one frame reads, to predict frame times
+    int maxColumnsRead = std::numeric_limits<int>::max();  ///< largest number of its columns that one frame reads, to predict frame times
     /// It needs the tractions of responses in the basis "full".
     bool tractions = false;
     /// It follows from how a character moves in time: an export without a take drops it.
-    bool inTime = false;
+    bool dependsOnMotion = false;
     /// It can wait until a pose calls for it, on each element as far as it does, and costs nothing meanwhile.
     bool canBeAutomatic = false;
     /// Predicted time per frame without its columns, as a number of pairs (collocation point, triangle); machineRates() has the time of a pair on this

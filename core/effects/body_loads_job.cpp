@@ -20,6 +20,7 @@ constexpr double kLeastHeight = 0.1;       // a height below that part of the di
 void askFor(std::vector<int>& loads, std::initializer_list<int> columns) {
     loads.insert(loads.end(), columns);
     std::sort(loads.begin(), loads.end());
+    loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
 }
 
 }  // namespace

@@ -75,11 +75,11 @@ private:
 
 /// A finger (0 ... TouchContact::kFingers - 1) on an element: at the surface point nearest to `rest` (m, rest pose) it pushes towards `target` (m, world).
 /// radius: m, 0: as small as can be. Or moves one that is there. False: the element feels no touch, or the point is not a number.
-inline bool setFinger(const Character& character, int element, int finger, const Vec3& rest, const Vec3& target, double radius) {
+inline bool setFinger(Character& character, int element, int finger, const Vec3& rest, const Vec3& target, double radius) {
     TouchJob* touch = character.job<TouchJob>();
     return touch && touch->setFinger(element, finger, rest, target, radius);
 }
-inline void liftFinger(const Character& character, int element, int finger) {
+inline void liftFinger(Character& character, int element, int finger) {
     if (TouchJob* touch = character.job<TouchJob>()) touch->liftFinger(element, finger);
 }
 

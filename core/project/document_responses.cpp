@@ -195,7 +195,7 @@ EffectCost DocumentResponses::costOf(EffectKind kind) const {
         cost.columns += columns;
         cost.bytes += static_cast<std::size_t>(columns) * static_cast<std::size_t>(3 * element->mesh->body.vertices.rows()) * sizeof(float);
         if (!has && !sharedOf(id)) cost.seconds += more.seconds;
-        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * std::min(columns, effect.mostRead) / std::max(1, less.columns);
+        if (more.columns > 0) cost.milliseconds += less.frameMilliseconds * std::min(columns, effect.maxColumnsRead) / std::max(1, less.columns);
     }
     return cost;
 }

@@ -73,7 +73,7 @@ void readEffects(Database& db, Document& document) {
             continue;
         }
         for (int i = 0; i < property->size; ++i)
-            document.effects[*kind].values[static_cast<std::size_t>(Effects::place(*kind, name) + i)] = settings.real(property->low, property->high);
+            document.effects[*kind].values[static_cast<std::size_t>(Effects::valueOffset(*kind, name) + i)] = settings.real(property->low, property->high);
     }
     RowReader elements(db, "SELECT * FROM effect_elements");
     while (elements.next()) {

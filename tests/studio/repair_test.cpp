@@ -83,8 +83,8 @@ TEST_CASE("studio: a mesh comes in unmended, each of its issues shows its place 
     const QString open = QStringLiteral("The surface has open edges."), turned = QStringLiteral("Neighbouring triangles face different ways.");
     REQUIRE(issues.row(open).isValid());
     REQUIRE(issues.row(turned).isValid());
-    const int worth = issues.model().worth();
-    CHECK(worth == 2);
+    const int problems = issues.model().problems();
+    CHECK(problems == 2);
     CHECK(issues.all()->isVisible());
 
     // A click shows the place, wherever on the row.
@@ -102,7 +102,7 @@ TEST_CASE("studio: a mesh comes in unmended, each of its issues shows its place 
     QTest::mouseClick(orient, Qt::LeftButton);
     waitForRepair(w);
     CHECK(w.document().session().position() == position + 1);
-    CHECK(issues.model().worth() == 1);
+    CHECK(issues.model().problems() == 1);
     CHECK(!issues.row(turned).isValid());
     CHECK(issues.button(issues.row(QStringLiteral("Triangles that faced against"))) == nullptr);
     CHECK(character().body->report.how == BodyKind::Wrapped);
@@ -113,7 +113,7 @@ TEST_CASE("studio: a mesh comes in unmended, each of its issues shows its place 
     QTest::mouseClick(issues.all(), Qt::LeftButton);
     waitForRepair(w);
     CHECK(character().body->report.how == BodyKind::Mended);
-    CHECK(issues.model().worth() == 0);
+    CHECK(issues.model().problems() == 0);
     CHECK(!issues.all()->isVisible());
     CHECK(issues.list.hasFocus());
     CHECK(w.document().session().position() == position + 2);
@@ -127,9 +127,9 @@ TEST_CASE("studio: a mesh comes in unmended, each of its issues shows its place 
     QTest::mouseClick(undo, Qt::LeftButton);
     w.settle();
     CHECK(character().body->report.how == BodyKind::Wrapped);
-    CHECK(issues.model().worth() == 1);
+    CHECK(issues.model().problems() == 1);
     w.trigger("undo");
-    CHECK(issues.model().worth() == 2);
+    CHECK(issues.model().problems() == 2);
 }
 
 TEST_CASE("studio: parts of an element that overlap are united by the button of that issue") {

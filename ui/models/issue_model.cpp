@@ -150,7 +150,7 @@ std::vector<Json> IssueModel::repairAll() const {
     return all;
 }
 
-int IssueModel::worth() const {
+int IssueModel::problems() const {
     return int(std::count_if(lines_.begin(), lines_.end(), [](const Line& line) { return line.severity != Severity::Info; }));
 }
 

@@ -28,7 +28,7 @@ public:
     [[nodiscard]] std::optional<Json> repair(const QModelIndex& index) const;
     /// Commands that mend all that can be mended.
     [[nodiscard]] std::vector<Json> repairAll() const;
-    [[nodiscard]] int worth() const;  ///< how many are warnings or errors
+    [[nodiscard]] int problems() const;  ///< how many are warnings or errors
     void rebuild();
     /// How wide the button of a line is; kept with the line, not with the document.
     void setRoom(const QModelIndex& index, int pixels);

@@ -46,7 +46,7 @@ QString findingText(PoseFinding::Kind kind, double measure) {
 /// How a setting is shown and dragged: times below a second in ms, steps of a twentieth of the default's power of ten.
 NumberField::Spec specOf(EffectKind effect, const EffectProperty& property, int part) {
     static const Effects atFirst;
-    const double* standard = atFirst[effect].values.data() + Effects::place(effect, property.name);
+    const double* standard = atFirst[effect].values.data() + Effects::valueOffset(effect, property.name);
     NumberField::Spec spec;
     spec.low = property.low;
     spec.high = property.high;
@@ -426,7 +426,7 @@ void EffectsPanel::addNumber(Row& r, QGridLayout& grid, EffectKind effect, const
     grid.addWidget(label, line, 0);
     grid.addWidget(field, line, 1);
 
-    const auto at = std::size_t(Effects::place(effect, property.name));
+    const auto at = std::size_t(Effects::valueOffset(effect, property.name));
     connect(field, &NumberField::editStarted, this, [this] { gesture_ = std::make_unique<Gesture>(document_); });
     connect(field, &NumberField::valueEdited, this, [this, effect, &property, at, part](double value) {
         const auto& present = document_.document().effects[effect].values;

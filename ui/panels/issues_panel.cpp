@@ -75,7 +75,7 @@ void IssuesPanel::update() {
     all_->setText(tr("Repair all"));
     all_->setVisible(!model_->repairAll().empty());
     addButtons();
-    Q_EMIT worthChanged();
+    Q_EMIT problemsChanged();
 }
 
 void IssuesPanel::repair(const std::vector<Json>& commands) {

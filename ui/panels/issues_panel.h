@@ -18,10 +18,10 @@ class IssuesPanel : public QWidget {
     Q_OBJECT
 public:
     explicit IssuesPanel(StudioDocument& document, QWidget* parent = nullptr);
-    [[nodiscard]] int worth() const { return model_->worth(); }
+    [[nodiscard]] int problems() const { return model_->problems(); }
 
 signals:
-    void worthChanged();
+    void problemsChanged();
     void frameWanted();  ///< a line was double-clicked
     /// Triangles of an element are to be pointed out in the view; none: what was pointed out is over.
     void markWanted(PartId element, const std::vector<std::int32_t>& triangles);

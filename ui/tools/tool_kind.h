@@ -8,7 +8,7 @@ namespace imomushi {
 struct Element;
 
 /// The tools of the viewport: select; joint faces; bones; handles; pose (drag endpoints and handles); touch (fingers on the surface); a proposal
-/// (ViewportWidget::propose()).
+/// (ToolHost::propose()).
 enum class ToolKind { Select, Face, Bone, Handle, Pose, Touch, Proposal };
 
 /// What an artist chose for tools.

@@ -89,7 +89,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         });
         actions_ << action;
     }
-    connect(issues_, &IssuesPanel::worthChanged, this, &StudioDocks::tellIssues);
+    connect(issues_, &IssuesPanel::problemsChanged, this, &StudioDocks::tellIssues);
 }
 
 StudioDocks::~StudioDocks() { qDeleteAll(all()); }
@@ -116,8 +116,8 @@ void StudioDocks::retranslate() {
 }
 
 void StudioDocks::tellIssues() {
-    const int worth = issues_->worth();
-    issuesDock_->setWindowTitle(worth > 0 ? tr("Issues (%1)").arg(worth) : tr("Issues"));
+    const int problems = issues_->problems();
+    issuesDock_->setWindowTitle(problems > 0 ? tr("Issues (%1)").arg(problems) : tr("Issues"));
 }
 
 void StudioDocks::takeSizes() {
