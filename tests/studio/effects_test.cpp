@@ -170,7 +170,7 @@ TEST_CASE("effects: an effect is turned on for one element where that is selecte
     w.window().findChild<QDockWidget*>(QStringLiteral("effectsDock"))->raise();
     waitFor([&] {
         for (auto* b : w.window().effects().findChildren<QPushButton*>())
-            if (b->isVisible() && b->text() == QStringLiteral("1 of %1 elements").arg(w.now().elements.size())) return true;
+            if (b->isVisible() && b->text() == QStringLiteral("1 of %1").arg(w.now().elements.size())) return true;
         return false;
     });
     w.shoot("effects-gravity");

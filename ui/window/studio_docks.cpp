@@ -9,7 +9,7 @@
 #include <QTabBar>
 #include <QTimer>
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/effects_panel.h"
@@ -76,7 +76,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     window.tabifyDockWidget(outlinerDock_, historyDock_);
     window.tabifyDockWidget(historyDock_, issuesDock_);
     window.tabifyDockWidget(inspectorDock_, effectsDock_);
-    window.resizeDocks({outlinerDock_, inspectorDock_}, {px(340), px(340)}, Qt::Horizontal);
+    window.resizeDocks({outlinerDock_, inspectorDock_}, {px(width_), px(width_)}, Qt::Horizontal);
     outlinerDock_->raise();
     inspectorDock_->raise();
     for (QDockWidget* d : all()) {
@@ -122,14 +122,13 @@ void StudioDocks::tellIssues() {
 
 void StudioDocks::takeSizes() {
     const int room = window_.screen()->availableGeometry().width();
+    // Wider than it must be: that is how somebody wants it.
+    if (window_.isVisible() && !outlinerDock_->isFloating() && outlinerDock_->width() > outlinerDock_->minimumWidth()) width_ = outlinerDock_->width() / scale_;
     for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(std::min(px(300), room * 2 / 5));
     accuracyDock_->widget()->setMinimumHeight(accuracy_->minimumHeight());
-    const double scale = Appearance::instance().scale();
-    if (scale == scale_) return;
-    // Docks grow with what stands in them, but would not shrink with it.
-    const int width = int(std::lround(outlinerDock_->width() * scale / scale_));
-    scale_ = scale;
-    QTimer::singleShot(0, this, [this, width] { window_.resizeDocks({outlinerDock_, inspectorDock_}, {width, width}, Qt::Horizontal); });
+    const double scale = Appearance::instance().scale(), before = std::exchange(scale_, scale);
+    // Docks grow with what stands in them, but do not shrink with it by themselves.
+    if (scale < before) QTimer::singleShot(0, this, [this] { window_.resizeDocks({outlinerDock_, inspectorDock_}, {px(width_), px(width_)}, Qt::Horizontal); });
 }
 
 void StudioDocks::followActions() {

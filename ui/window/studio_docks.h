@@ -62,7 +62,8 @@ private:
     void showTitles();
 
     QMainWindow& window_;
-    double scale_;  ///< of the interface, when docks were given their sizes
+    double scale_;           ///< of the interface, when docks were given their sizes
+    double width_ = 340.0;   ///< of the docks at the right, design pixels
     QList<QAction*> actions_;
     std::map<QDockWidget*, QWidget*> untitled_;  ///< what stands for the title of a dock that has a tab
     OutlinerPanel* outliner_;
