@@ -41,7 +41,7 @@ std::vector<std::int32_t> candidatesOf(const ElementRuntime& element, const std:
         if (groupOf[v] < 0) continue;
         const Vec3 p = body.row(static_cast<Eigen::Index>(v)).transpose() - element.middle;
         const auto vertex = static_cast<std::int32_t>(v);
-        const Vec3 cell = p * (element.scale() / kCell);
+        const Vec3 cell = p * (element.inverseSize() / kCell);
         if (cells.try_emplace({groupOf[v], std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())}, vertex).second) out.push_back(vertex);
         const std::size_t first = static_cast<std::size_t>(groupOf[v]) * toward.size();
         for (std::size_t d = 0; d < toward.size(); ++d)
