@@ -220,7 +220,7 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         out.dents = like->dents;
         return std::shared_ptr<const ElementRuntime>(std::move(made));
     }
-    out.stencils = normalStencils(body.vertices, triangles, out.scale());
+    out.stencils = normalStencils(body.vertices, triangles, out.inverseSize());
     const auto first = blocks.first(out.bodyBlocks);
     if (given.response && !given.faces.empty()) {
         if (given.tables.warp) {
