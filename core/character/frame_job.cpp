@@ -23,7 +23,7 @@ constexpr StageUse kAllowed[] = {
     {Stage::FaceOffsets, kOffsets, FaceOffsets | Parameters},
     {Stage::Equilibrium, kWeights, JointMaps | Parameters},
     {Stage::Weights, kShape, Wants | Forces},
-    {Stage::LocalShape, kShape, Local},
+    {Stage::LocalShape, kShape, Local | Positions},  // positions are made anew after it
     {Stage::Dents, kDents, Forces},
     {Stage::Placed, kPlaced, Positions | Ground},  // positions behind those of the body
     {Stage::Normals, kNormals, {}},

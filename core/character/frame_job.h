@@ -57,7 +57,7 @@ enum class Stage {
     FaceOffsets,  ///< loads are known; vertices of joint faces may move by themselves
     Equilibrium,  ///< maps of joints and v become final
     Weights,      ///< all weights of elements are final; who needs positions before placement says so
-    LocalShape,   ///< positions before placement, instead of a product
+    LocalShape,   ///< positions before placement, instead of a product; positions may be used as room
     Dents,        ///< forces on patches by these positions
     Placed,       ///< positions of all body vertices are final
     Normals,      ///< normals of bodies are final

@@ -18,7 +18,7 @@ constexpr std::size_t kOfPiece = 4096;
 
 class BendWarpJob final : public FrameJob {
 public:
-    explicit BendWarpJob(Frame& frame) : FrameJob(BendWarpEffect::kName, {{Stage::LocalShape, FrameData::Joints | FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::Local}}) {
+    explicit BendWarpJob(Frame& frame) : FrameJob(BendWarpEffect::kName, {{Stage::LocalShape, FrameData::Joints | FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::Local | FrameData::Positions}}) {
         for (std::size_t e = 0; e < frame.elements.size(); ++e)
             if (frame.elements[e].runtime->warp) add(frame, e);
         work_.reserve(elements_.size());
