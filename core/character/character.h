@@ -40,7 +40,7 @@ struct CharacterInput {
         double nu = 0.45;                                 ///< Poisson ratio
         int handles = 0;                                  ///< how many of its faces are handles
         std::vector<int> bones;                           ///< bones that run through it; empty: it stays at rest, or moves with its handles (RigidFit)
-        /// True: joint planes at its faces are not bisected, they turn with this element (model.md section 4, free ends).
+        /// True: joint planes at its faces are not bisected, they turn with this element (the manual's model, "Large motion", free ends).
         bool leadsJointPlanes = false;
         std::shared_ptr<const EmbeddedPoints> embedded;   ///< what its body moves besides itself; null: nothing
     };
@@ -84,7 +84,7 @@ enum class FrameWarning : unsigned {
     HeldByGround = 64,     ///< a target is in the ground, which keeps its endpoint above (LiveCharacter: no character knows of it)
 };
 
-/// A live character: pose -> joint maps -> v -> A' v -> world positions and normals (assets/manual/en/model.md, "One element" and "Large motion").
+/// A live character: pose -> joint maps -> v -> A' v -> world positions and normals (the manual's model, "One element" and "Large motion").
 /// Built once, then update() is the per-frame job: it neither allocates, locks nor fails.
 class Character {
 public:
@@ -223,7 +223,7 @@ public:
     [[nodiscard]] double formatError() const;  ///< of the worst element
 
     /// Lateral contraction: factor c of joint j in a = b = 1 + c s, s = mean outward shift of its faces in metres: the one of least elastic energy
-    /// when the bones are straight (model.md section 2). 1/m, negative: a stretched joint gets thinner. Of no effect with smooth joints.
+    /// when the bones are straight (the manual's model, "Large motion"). 1/m, negative: a stretched joint gets thinner. Of no effect with smooth joints.
     [[nodiscard]] double lateralContraction(int joint) const;
 
 private:

@@ -10,7 +10,7 @@
 
 namespace imomushi {
 
-/// The paper's table from a run of both models on one character (model.md section 2).
+/// The paper's table from a run of both models on one character (the manual's model, "The previous model").
 struct ModelTable {
     struct Row {
         std::string model;          ///< "proposed" or "previous"

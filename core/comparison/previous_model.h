@@ -8,7 +8,7 @@
 
 namespace imomushi {
 
-/// The paper's previous model, as the proposed one is measured against (model.md section 2): a Character of basis "full" with the PreviousModelEffect alone,
+/// The paper's previous model, as the proposed one is measured against (the manual's model, "The previous model"): a Character of basis "full" with the PreviousModelEffect alone,
 /// and the statics that its dynamics come to rest at. In float, as the paper's memory figures are.
 class PreviousModel {
 public:

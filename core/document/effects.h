@@ -22,7 +22,7 @@ struct Document;
 /// Identity of a part within one document; never used again after the part is gone. 0: none.
 using PartId = std::uint64_t;
 
-/// What a scene may ask for beyond the static pose (model.md section 6). All are off until they are enabled; one that is off has no state, no columns
+/// What a scene may ask for beyond the static pose (the manual's effects). All are off until they are enabled; one that is off has no state, no columns
 /// and no row in the statistics. effects.cpp describes each effect in one row of a table.
 enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Contact, Ground, kCount };
 inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);

@@ -47,7 +47,7 @@ enum class DynamicsWarning : unsigned {
     HeldByGround = 8,   ///< a point is held above its kinematic place, which is in the ground
 };
 
-/// Bone dynamics, step 2 of the paper (model.md section 1): every joint point has an equation of motion; its forces come from the lengths of its bones
+/// Bone dynamics, step 2 of the paper (the manual's model, "Bones"): every joint point has an equation of motion; its forces come from the lengths of its bones
 /// and the angles between them, measured against the kinematic pose that inverse kinematics gives. Held points are prescribed: they move with the
 /// kinematic pose.
 ///

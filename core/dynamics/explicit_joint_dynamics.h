@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// Joint-face dynamics of the paper's previous model, kept for comparison (model.md section 2): every vertex of the joint faces has an equation of motion
+/// Joint-face dynamics of the paper's previous model, kept for comparison (the manual's model, "The previous model"): every vertex of the joint faces has an equation of motion
 /// that the boundary elements' tractions drive, integrated explicitly,
 ///     velocity += h (force / mass - damping velocity),  displacement += h velocity,
 /// with the step h that the artist chose. It diverges where h is above 2 / omega of the fastest mode: stiffer material, finer faces or longer frames.

@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-/// Joint dynamics, implicit (model.md section 6): joint parameters v oscillate about the values `target` that the pose prescribes,
+/// Joint dynamics, implicit (the manual's effects): joint parameters v oscillate about the values `target` that the pose prescribes,
 ///     M y'' + D y' + K y = f - M target'',   y = v - target,
 /// with reduced mass M and joint stiffness K, in the eigenmodes K phi = lambda M phi. Each mode is a damped oscillator that is advanced by its exact solution,
 /// so that nothing diverges however long the frame and however stiff the mode, and motion depends on the frame rate only as far as frames sample the

@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-/// Joint dynamics (model.md section 6): the faces of each joint jiggle together about where the pose has them, by nine parameters in the axes of its first
+/// Joint dynamics (the manual's effects): the faces of each joint jiggle together about where the pose has them, by nine parameters in the axes of its first
 /// face: in-plane stretch, tilts, shifts and twist, as the columns of the basis "affine". Mass and stiffness are those of its elements while their other
 /// faces are held.
 struct JointDynamicsEffect : EffectOf<JointDynamicsEffect> {

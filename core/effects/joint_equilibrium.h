@@ -11,7 +11,7 @@
 
 namespace imomushi {
 
-/// The shapes of all joints at once, in equilibrium (model.md section 5, "smooth joints"). Bones prescribe the place and the rotation of a joint;
+/// The shapes of all joints at once, in equilibrium (the manual's model, "Balance at joints"). Bones prescribe the place and the rotation of a joint;
 /// free are its symmetric in-plane stretch and its warping, shared by all faces that meet there:
 ///
 ///   x -> at + R ((I + S) (x - place) + sum_k w_k phi_k(x)),   S symmetric in the plane, w_k vectors, phi_k the warping of the joint's first face.

@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// Joint dynamics of the paper's previous model in a character of basis "full" (model.md section 2): every vertex of the joint faces moves by itself about
+/// Joint dynamics of the paper's previous model in a character of basis "full" (the manual's model, "The previous model"): every vertex of the joint faces moves by itself about
 /// where the bones carry its face, driven by the tractions of the elements, explicitly. Vertices of other faces of a joint do what the nearest one of its
 /// first face does, so that seams stay closed. A character does without until all its elements are precomputed for it.
 ///   warns   Diverged: its joints stand still at their last good place

@@ -43,7 +43,7 @@ struct ExportScene {
 };
 
 /// How a character is written.
-///   Baked    glTF: a node per element that moves rigidly, and morph targets, one per column of A' (model.md section 2): x = frame (rest + sum of
+///   Baked    glTF: a node per element that moves rigidly, and morph targets, one per column of A' (the manual's model, "One element"): x = frame (rest + sum of
 ///            weight * target), which is what the studio computes
 ///   Rigged   the same in one skeleton, an element to a joint, with what drives the weights in `extras` (driver.h)
 ///   Skinned  glTF without morph targets: linear blend skinning with fitted weights, four joints per vertex

@@ -39,7 +39,7 @@ struct ResponseQuality {
 };
 
 /// The precomputed response of one element: displacement of its free vertices X = A' v for the joint parameters v of all its faces
-/// (Watanabe et al. 2006, section 3; v = 0 at rest, model.md writes v - v0), and the energy 1/2 v^T K v.
+/// (Watanabe et al. 2006, section 3; v = 0 at rest), and the energy 1/2 v^T K v.
 /// An element without a joint face has no columns: it follows its bone rigidly.
 struct ElementResponse {
     std::vector<std::int32_t> freeVertices;  ///< ascending body vertices that no face holds

@@ -26,7 +26,7 @@ struct FaceMotion {
 
 struct BendWarpTables;
 
-/// The shape of one element under large motions of its joint faces (model.md section 4): the linear response A' v, read as rotations and stretches of
+/// The shape of one element under large motions of its joint faces (the manual's model, "Large motion"): the linear response A' v, read as rotations and stretches of
 /// the triangles instead of displacements. To second order in the motion it is the linear response.
 ///
 ///   1  v is the logarithm of the motions of the faces: rotation vectors, logarithmic stretches.

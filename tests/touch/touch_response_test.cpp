@@ -134,7 +134,7 @@ TEST_CASE("touch response: the compliance is symmetric, positive, and was so bef
               -1e-12 * t.compliance.norm());
         MESSAGE(name << ": " << t.patches.count() << " patches of reach " << t.patches.reach << ", asymmetry " << t.asymmetry << ", negative "
                      << t.negativeEnergy);
-        // Collocation on the plain mesh: as for stiffnesses, about 1 % on compact bodies and 6 to 36 % on thin plates (model.md section 5).
+        // Collocation on the plain mesh: as for stiffnesses, about 1 % on compact bodies and 6 to 36 % on thin plates.
         CHECK(t.asymmetry <= (name == "fin" ? 0.36 : 0.02));
         CHECK(t.negativeEnergy >= -0.01);
     }

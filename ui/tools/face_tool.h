@@ -75,7 +75,7 @@ private:
     int widened_ = 0;                 ///< tolerance = kTolerance * 2^widened of the diagonal
 };
 
-/// The same place, the same shape and opposite normals: two faces that can be joined (model.md section 1).
+/// The same place, the same shape and opposite normals: two faces that can be joined (the manual's model, "A joint face").
 bool facesMeet(const JointFace& a, const JointFace& b);
 
 /// Joins `face` with what meets it: a face of a neighbour, or a flat region of the same shape, which becomes a face. Answers how many were joined;
