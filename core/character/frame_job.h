@@ -57,14 +57,14 @@ enum class Stage {
     FaceOffsets,  ///< loads are known; vertices of joint faces may move by themselves
     Equilibrium,  ///< maps of joints and v become final
     Weights,      ///< all weights of elements are final; who needs positions before placement says so
-    LocalShape,   ///< positions before placement, instead of a product; positions may be used as room
+    LocalShape,   ///< positions before placement, instead of a product; positions may serve as scratch memory
     Dents,        ///< forces on patches by these positions
     Placed,       ///< positions of all body vertices are final
     Normals,      ///< normals of bodies are final
     kCount
 };
 
-/// What a job reads and writes in one stage. What it alone keeps does not count.
+/// What a job reads and writes in one stage, besides what it keeps itself. A test compares writes with what changes; reads are the word of the job.
 struct StageUse {
     Stage stage;
     FrameDataSet reads, writes;

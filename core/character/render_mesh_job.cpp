@@ -59,9 +59,10 @@ Eigen::Matrix3d jointPart(const Frame& frame, const ElementState& of, int face, 
 
 }  // namespace
 
-RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known) : FrameJob({}, {{Stage::Weights, {}, {}},
-                                                                                      {Stage::Placed, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Local | FrameData::Forces | FrameData::Positions, FrameData::Positions},
-                                                                                      {Stage::Normals, FrameData::Positions | FrameData::Normals, {}}}) {
+RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known)
+    : FrameJob({}, {{Stage::Weights, {}, {}},
+                    {Stage::Placed, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Local | FrameData::Forces | FrameData::Positions, FrameData::Positions},
+                    {Stage::Normals, FrameData::Positions | FrameData::Normals, {}}}) {
     std::vector<std::shared_ptr<const ElementRuntime>> runtimes;
     for (const auto& e : frame.elements) runtimes.push_back(e.runtime);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/commands/effect_commands.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
-#include "core/commands/effect_commands.h"
 #include "core/document/command_support.h"
 #include "core/document/effect_meetings.h"
 #include "core/document/names.h"

@@ -2,14 +2,17 @@
 #include <QComboBox>
 #include <QFile>
 #include <QListView>
+#include <QSignalSpy>
 #include <QTextStream>
 
 #include "tests/body/messes.h"
 #include "tests/studio/window.h"
 #include "tests/support/shapes.h"
 #include "ui/models/issue_model.h"
+#include "ui/models/outliner_model.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/issues_panel.h"
+#include "ui/panels/outliner_panel.h"
 #include "ui/window/repair_flow.h"
 #include "ui/window/studio_docks.h"
 
@@ -185,6 +188,13 @@ TEST_CASE("studio: an element that finite elements cannot solve is among the iss
     const auto said = [&] { return issues.row(QStringLiteral("Solved by boundary elements")).isValid(); };
     CHECK_FALSE(said());
     w.run({{"do", "precompute"}});
+    CHECK(said());
+    // Another effect asks for another response: what is there is out of date, here and in the outliner.
+    QSignalSpy repainted(w.window().outliner().findChild<OutlinerModel*>(), &QAbstractItemModel::dataChanged);
+    w.run({{"do", "enable"}, {"effect", "touch"}});
+    CHECK_FALSE(said());
+    CHECK(repainted.count() > 0);
+    w.run({{"do", "undo"}});
     CHECK(said());
     w.run({{"do", "set"}, {"target", "bar"}, {"property", "nu"}, {"value", 0.49}});
     CHECK_FALSE(said());

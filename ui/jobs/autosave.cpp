@@ -79,9 +79,9 @@ void Autosave::saveSoon() {
         [this, result] {
             if (!*result) {
                 changed_ = true;
-                if (!pendingChange_) Q_EMIT failed(tr("Your work could not be kept for recovery. %1").arg(errorText(result->error())));
+                if (!failureTold_) Q_EMIT failed(tr("Your work could not be kept for recovery. %1").arg(errorText(result->error())));
             }
-            pendingChange_ = !*result;
+            failureTold_ = !*result;
             if (const auto old = kept() ? std::exchange(takenUp_, std::nullopt) : std::nullopt) remove(old->file);
         });
     changed_ = false;

@@ -54,7 +54,7 @@ private:
     std::unique_ptr<FileLock> lock_;
     std::optional<Found> takenUp_;
     QTimer timer_;
-    bool changed_ = false, pendingChange_ = false;
+    bool changed_ = false, failureTold_ = false;
 };
 
 }  // namespace imomushi

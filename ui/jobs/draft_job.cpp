@@ -83,13 +83,13 @@ void DraftJob::start() {
         item.key = key;
         item.shape = shape;
     }
-    if (!pendingChange_ && (!known.empty() || !work->items.empty())) {
-        pendingChange_ = true;
+    if (!draftingTold_ && (!known.empty() || !work->items.empty())) {
+        draftingTold_ = true;
         Q_EMIT drafting();
     }
     bring(known);
     if (work->items.empty()) {
-        if (std::exchange(pendingChange_, false)) Q_EMIT drafted();
+        if (std::exchange(draftingTold_, false)) Q_EMIT drafted();
         return;
     }
     work->threads = responses.threads();

@@ -51,7 +51,7 @@ private:
     std::shared_ptr<Work> work_;
     QTimer soon_;  // while changes follow each other, nothing is begun
     QElapsedTimer changed_;  // the last time
-    bool pendingChange_ = false;      // drafting(), and not drafted() since
+    bool draftingTold_ = false;      // drafting(), and not drafted() since
     bool enabled_ = true;
 };
 

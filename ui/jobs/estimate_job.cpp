@@ -24,7 +24,8 @@ EstimateJob::EstimateJob(StudioDocument& document, std::function<bool()> waits, 
     soon_.setInterval(kEstimateSoonMs);
     connect(&soon_, &QTimer::timeout, this, &EstimateJob::start);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.forResponses()) forget();
+        // Prices of effects depend on joints and bones, too.
+        if (change.forResponses() || change.has(&DocumentChange::joints) || change.has(&DocumentChange::bones)) forget();
     });
     connect(&document, &StudioDocument::responsesChanged, this, &EstimateJob::forget);
     forget();

@@ -13,7 +13,7 @@ namespace imomushi {
 
 IssueModel::IssueModel(StudioDocument& document, QObject* parent) : QAbstractListModel(parent), document_(document) {
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.has(&DocumentChange::elements) || change.has(&DocumentChange::characters)) rebuild();
+        if (change.forResponses() || change.has(&DocumentChange::characters)) rebuild();
     });
     connect(&document, &StudioDocument::fileChanged, this, &IssueModel::rebuild);
     connect(&document, &StudioDocument::responsesChanged, this, &IssueModel::rebuild);

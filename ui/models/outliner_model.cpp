@@ -53,7 +53,8 @@ OutlinerModel::OutlinerModel(StudioDocument& document, QObject* parent)
     : QAbstractItemModel(parent), document_(document), root_(std::make_unique<Node>()) {
     rebuild();
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.has(&DocumentChange::elements) || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints)) rebuild();
+        // It shows, too, whose response is out of date.
+        if (change.forResponses() || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints)) rebuild();
     });
     connect(&document, &StudioDocument::responsesChanged, this, &OutlinerModel::retranslate);
     connect(&document, &StudioDocument::fileChanged, this, &OutlinerModel::retranslate);

@@ -126,16 +126,13 @@ const TriangleTree* skinOf(const Element& element) {
     };
     static std::map<const ElementMesh*, Kept> kept;
     std::erase_if(kept, [](const auto& k) { return k.second.mesh.expired(); });
-    const auto [found, isNew] = kept.try_emplace(element.mesh.get());
-    Kept& of = found->second;
-    if (!isNew) return of.tree.get();
-    of.mesh = element.mesh;
+    if (const auto known = kept.find(element.mesh.get()); known != kept.end()) return known->second.tree.get();
     const TriangleMesh& mesh = element.mesh->body;
     std::vector<std::int32_t> skin;
     for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
         if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
-    if (!skin.empty()) of.tree = std::make_unique<TriangleTree>(mesh, std::move(skin));
-    return of.tree.get();
+    auto tree = skin.empty() ? nullptr : std::make_unique<TriangleTree>(mesh, std::move(skin));
+    return kept.emplace(element.mesh.get(), Kept{element.mesh, std::move(tree)}).first->second.tree.get();
 }
 
 void addSeenHits(const Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {

@@ -297,7 +297,7 @@ bool ProposalTool::take(Result<Proposal> changed) {
     }
     history_.push(std::move(*changed));
     hovered_ = {};
-    pendingChange_ = false;
+    refusalTold_ = false;
     show();
     tryNext();
     return true;
@@ -487,11 +487,11 @@ void ProposalTool::takeTrial() {
         const auto before = std::exchange(tried_, tried ? *tried : TriedCuts{std::vector<std::optional<Error>>(of.cuts.size(), tried.error()), std::vector<int>(std::size_t(sections_.body().vertices.rows()), -1)}).refused;
         triedPlanes_ = planes;
         // What was refused before was said before.
-        for (std::size_t c = 0; c < tried_.refused.size() && !pendingChange_; ++c) {
-            pendingChange_ = tried_.refused[c] && !(before.size() == tried_.refused.size() && before[c]);
-            if (pendingChange_) Q_EMIT document_.failed(ToolTexts::tr("“%1” does not cut there: %2", "a plane, why").arg(QString::fromStdString(of.cuts[c].name), errorText(*tried_.refused[c])));
+        for (std::size_t c = 0; c < tried_.refused.size() && !refusalTold_; ++c) {
+            refusalTold_ = tried_.refused[c] && !(before.size() == tried_.refused.size() && before[c]);
+            if (refusalTold_) Q_EMIT document_.failed(ToolTexts::tr("“%1” does not cut there: %2", "a plane, why").arg(QString::fromStdString(of.cuts[c].name), errorText(*tried_.refused[c])));
         }
-        pendingChange_ = true;
+        refusalTold_ = true;
     } else if (isTried(history_.now()) && !waiting_.empty() && waiting_.front().cut) {
         const CutPlane plane = *waiting_.front().cut;
         if (const auto with = withCut(plane, shownAt(plane)); with && isOf(*with)) {

@@ -127,7 +127,7 @@ private:
     std::vector<Shown> cuts_;
     TriedCuts tried_;
     std::vector<CutPlane> triedPlanes_;
-    bool pendingChange_ = true;  ///< which of its cuts are refused
+    bool refusalTold_ = true;  ///< which of its cuts are refused
     CutTrialJob trial_;
     std::deque<Waiting> waiting_;
     bool acceptsNext_ = false;  ///< when nothing waits any more
