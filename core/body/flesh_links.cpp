@@ -28,7 +28,7 @@ constexpr double kLinked = 0.065;       ///< parts that are farther apart are li
 constexpr double kLinkedByBones = 0.2;  ///< and never beyond this
 constexpr double kOtherBones = 4.0;     ///< parts of bones that are not neighbours count as this many times as far apart
 constexpr double kCarriedPart = 0.04;      ///< volume over that of the largest part: one without a motion of its own that is smaller is attached
-constexpr double kMostCarried = 0.1;    ///< volume of what is attached over that of all
+constexpr double kMostCarried = 0.04;   ///< volume of what is attached over that of all: what is lost stays well below what a body may lose
 constexpr int kBoneSteps = 3;              ///< from bone to bone in a skeleton: a ball between two limbs may have a bone or none
 
 /// How near two parts come to each other.
@@ -93,7 +93,7 @@ bool related(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>
 
 }  // namespace
 
-Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::int32_t>& together, const std::vector<std::int32_t>& parents, double size, const Progress& progress) {
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pair<std::int32_t, std::int32_t>>& touching, const std::vector<std::int32_t>& parents, double size, const Progress& progress) {
     const std::size_t count = parts.size();
     Linking out;
     out.attached.assign(count, 0);
@@ -126,11 +126,18 @@ Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::in
     for (std::size_t a = 0; a < count; ++a)
         for (std::size_t b = a + 1; b < count; ++b) {
             const Vec3 gap = (box[a].low - box[b].high).cwiseMax(box[b].low - box[a].high).cwiseMax(0.0);
-            const bool touch = together[a] == together[b];
-            if (const auto least = touch ? std::optional(-1.0) : cost(a, b, gap.norm())) open.push({*least, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), touch});
+            if (const auto least = cost(a, b, gap.norm())) open.push({*least, static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), false});
         }
     UnionFind joined(count);
     std::vector<std::vector<std::int32_t>> neighbours(count);
+    const auto join = [&](std::int32_t a, std::int32_t b) {
+        if (joined.find(a) == joined.find(b)) return false;
+        joined.unite(a, b);
+        neighbours[at(a)].push_back(b);
+        neighbours[at(b)].push_back(a);
+        return true;
+    };
+    for (const auto& [a, b] : touching) join(a, b);
     while (!open.empty() && !progress.cancelled()) {
         Candidate next = open.top();
         open.pop();
@@ -144,10 +151,7 @@ Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::in
             open.push(next);
             continue;
         }
-        joined.unite(next.a, next.b);
-        neighbours[a].push_back(next.b);
-        neighbours[b].push_back(next.a);
-        if (together[a] != together[b]) out.pairs.emplace_back(next.a, next.b);
+        if (join(next.a, next.b)) out.pairs.emplace_back(next.a, next.b);
     }
 
     std::map<std::int32_t, double> flesh;  // bone: the largest volume of a part whose first bone it is

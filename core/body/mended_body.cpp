@@ -198,19 +198,24 @@ bool openPiecesFollow(const TriangleMesh& mesh, double size, const Sorted& sorte
     });
 }
 
-/// The sets of parts that touch each other, directly or by others.
-UnionFind touchingParts(const std::vector<FleshPart>& parts, const Progress& progress) {
+/// Pairs of parts that touch each other: as many as hang them together, those of the largest parts, so that a small one between two that touch anyway hangs on one of them.
+std::vector<std::pair<std::int32_t, std::int32_t>> touchingParts(const std::vector<FleshPart>& parts, const Progress& progress) {
     std::vector<Bounds> box;
     for (const FleshPart& part : parts) box.push_back(boundsOf(part.mesh.vertices));
-    UnionFind groups(parts.size());
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs, touching;
     for (std::size_t i = 0; i < parts.size(); ++i)
-        for (std::size_t j = i + 1; j < parts.size(); ++j) {
-            if ((box[i].low.array() > box[j].high.array()).any() || (box[j].low.array() > box[i].high.array()).any()) continue;
-            if (progress.cancelled()) return groups;
-            const auto a = static_cast<std::int32_t>(i), b = static_cast<std::int32_t>(j);
-            if (groups.find(a) != groups.find(b) && surfacesMeet(parts[i].mesh, parts[j].mesh)) groups.unite(a, b);
-        }
-    return groups;
+        for (std::size_t j = i + 1; j < parts.size(); ++j)
+            if ((box[i].low.array() <= box[j].high.array()).all() && (box[j].low.array() <= box[i].high.array()).all()) pairs.emplace_back(i, j);
+    const auto smaller = [&](const std::pair<std::int32_t, std::int32_t>& pair) { return std::min(parts[at(pair.first)].volume, parts[at(pair.second)].volume); };
+    std::stable_sort(pairs.begin(), pairs.end(), [&](const auto& x, const auto& y) { return smaller(x) > smaller(y); });
+    UnionFind groups(parts.size());
+    for (const auto& [i, j] : pairs) {
+        if (progress.cancelled()) break;
+        if (groups.find(i) == groups.find(j) || !surfacesMeet(parts[at(i)].mesh, parts[at(j)].mesh)) continue;
+        groups.unite(i, j);
+        touching.emplace_back(i, j);
+    }
+    return touching;
 }
 
 /// Whether an edge has more than two triangles.
@@ -386,12 +391,14 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         }
     }
     if (parts.empty()) return notMendable("no part of it encloses a volume");
-    std::vector<std::int32_t> together(parts.size());
+    const std::vector<std::pair<std::int32_t, std::int32_t>> touching = touchingParts(parts, progress);
+    std::vector<std::int32_t> together(parts.size());  // of the parts that touch, directly or by others
     {
-        UnionFind sets = touchingParts(parts, progress);
+        UnionFind sets(parts.size());
+        for (const auto& [a, b] : touching) sets.unite(a, b);
         for (std::size_t p = 0; p < parts.size(); ++p) together[p] = sets.find(static_cast<std::int32_t>(p));
     }
-    Linking linking = planLinks(parts, together, bones.parent, size, progress);
+    Linking linking = planLinks(parts, touching, bones.parent, size, progress);
     if (links) linking.pairs = endsOf(*links, parts);
     for (const auto& [a, b] : linking.pairs) linking.attached[at(a)] = linking.attached[at(b)] = 0;
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");

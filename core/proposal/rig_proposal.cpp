@@ -265,14 +265,20 @@ private:
             // A head that no other leads to has a tip.
             const int own = add(names_[k], arrives[k], fromStart[k] != 0, head, next < count ? headOf(next) : tipOf(k), k);
             if (next == count) tips_.push_back(own);
+            // Heads at one place, such as those of two arms in the middle of a chest, hang on one bone: a second one would close a loop.
+            std::vector<int> made{own};
             for (const std::size_t c : children) {
+                const auto there = std::find_if(made.begin(), made.end(), [&](int m) { return (headOf(c) - proposal_.bones[static_cast<std::size_t>(m)].end).norm() <= kSame * diagonal_; });
                 if (c == next) {
                     arrives[c] = own;
                 } else if ((headOf(c) - head).norm() <= kSame * diagonal_) {
                     arrives[c] = own;
                     fromStart[c] = 1;
+                } else if (there != made.end()) {
+                    arrives[c] = *there;
                 } else {
                     arrives[c] = add(unique(names_[k] + " to " + names_[c]), own, true, head, headOf(c), k);
+                    made.push_back(arrives[c]);
                 }
             }
         }

@@ -110,6 +110,23 @@ TEST_CASE("links: what has a bone of its own is a limb; what its neighbour's bon
     CHECK(far.report.components == 1);
 }
 
+TEST_CASE("links: a limb that hangs on the trunk by a ball alone is no less of the body for it, whatever the order of the parts") {
+    // Balls of joints are small and stand out little, but the arm touches nothing else; the second ball lies between two parts that touch anyway.
+    const std::vector<TriangleMesh> parts{box({-0.4, 0, -0.3}, {0.4, 1.6, 0.3}), box({0.44, 1.2, -0.1}, {1.2, 1.4, 0.1}), box({1.19, 1.22, -0.08}, {1.9, 1.38, 0.08}), ball({0.42, 1.3, 0}, 0.08),
+                                          ball({1.2, 1.3, 0}, 0.11)};
+    std::vector<std::size_t> order{0, 1, 2, 3, 4};
+    do {
+        Scene scene;
+        for (const std::size_t p : order) scene.add(parts[p]);
+        const Body body = scene.body();
+        CHECK(body.report.components == 1);
+        CHECK(body.report.links.empty());
+        CHECK(boundsOf(body.mesh.vertices).high.x() == doctest::Approx(1.9).epsilon(1e-6));
+        CHECK(body.report.distanceRms < 0.01);
+        CHECK(body.report.volumeError == doctest::Approx(meshFacts(parts[4]).volume / scene.volume).epsilon(0.1));
+    } while (std::next_permutation(order.begin(), order.end()));
+}
+
 TEST_CASE("links: a part that nothing faces stays apart, and the body says of how many it consists") {
     Scene scene;
     scene.add(box({0, 0, 0}, {1, 1, 1}));

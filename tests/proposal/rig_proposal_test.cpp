@@ -268,6 +268,28 @@ TEST_CASE("proposal from a rig: a trunk leads to each of its limbs, and limbs li
     CHECK(std::any_of(proposal->notes.begin(), proposal->notes.end(), [](const Error& note) { return note.code == "no-skin"; }));
 }
 
+TEST_CASE("proposal from a rig: limbs whose heads are at one place hang on one bone that leads there") {
+    // Two arms begin in the middle of the chest, as many a file has it; a bone to each would close a loop.
+    const TriangleMesh body = capsules::surface({{Vec3(0, 0, 0), Vec3(0, 1.5, 0), 0.25, 0.25}, {Vec3(0, 1.5, 0), Vec3(0, 2.2, 0), 0.15, 0.2}, {Vec3(0, 1.2, 0), Vec3(1.2, 1.2, 0), 0.1, 0.1}, {Vec3(0, 1.2, 0), Vec3(-1.2, 1.2, 0), 0.1, 0.1}}, 0.06);
+    Rig rig = rigOf({{"chest", -1, {0, 0.2, 0}}, {"head", 0, {0, 1.7, 0}}, {"arm.L", 0, {0, 1.2, 0}}, {"arm.R", 0, {0, 1.2, 1e-8}}});
+    rig.bones[1].tail = Vec3(0, 2.3, 0);
+    rig.bones[2].tail = Vec3(1.2, 1.2, 0);
+    rig.bones[3].tail = Vec3(-1.2, 1.2, 0);
+    bind(rig, body, [](const Vec3& p) { return p.y() > 1.72 ? 1 : p.x() > 0.3 ? 2 : p.x() < -0.3 ? 3 : 0; });
+    const auto proposal = proposeFromRig(rig, body, body, 0.01, {});
+    REQUIRE(proposal);
+    checkSound(*proposal, rig, body);
+    CHECK(proposal->cuts.size() == 3);
+    REQUIRE(proposal->bones.size() == 5);  // one that leads from the chest to both arms
+    std::set<std::pair<int, int>> ends;  // joint points by place
+    const auto placed = [&](const Vec3& p) {
+        for (int b = 0;; ++b)
+            for (const bool atEnd : {false, true})
+                if (const ProposedBone& bone = proposal->bones[static_cast<std::size_t>(b)]; ((atEnd ? bone.end : bone.start) - p).norm() < 1e-6) return 2 * b + atEnd;
+    };
+    for (const ProposedBone& bone : proposal->bones) CHECK(ends.emplace(placed(bone.start), placed(bone.end)).second);
+}
+
 TEST_CASE("proposal from a rig: feet are pinned where their flesh stands, whatever their bones end at, also on legs that are not equally long; a tail between them stays free") {
     // The front legs end .04 m above the others, of a height of 1.87 m. Feet look forward from ankles .2 m above the ground.
     std::vector<capsules::Capsule> shape{{Vec3(0, 1.0, -0.6), Vec3(0, 1.0, 0.6), 0.25, 0.25}, {Vec3(0, 1.1, 0.7), Vec3(0, 1.75, 1.2), 0.12, 0.12}, {Vec3(0, 1.1, -0.7), Vec3(0, 0.1, -1.5), 0.09, 0.08}};
