@@ -94,13 +94,9 @@ bool crossesItself(const Body& body) {
     return std::any_of(body.report.issues.begin(), body.report.issues.end(), [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
 }
 
-/// The same body without its crossings.
-std::optional<Body> withoutCrossings(const Body& body) {
-    const Attempt untangling("the crossings of a surface with itself");
-    if (!untangling) return std::nullopt;
-    auto mesh = untangled(body.mesh);
-    if (!mesh) return std::nullopt;
-    if (meshFacts(*mesh).components != meshFacts(body.mesh).components) return std::nullopt;
+/// A body with another surface instead of one that crosses itself, where that does not and hangs together in as many parts.
+std::optional<Body> withSurface(const Body& body, std::optional<TriangleMesh> mesh) {
+    if (!mesh || meshFacts(*mesh).components != meshFacts(body.mesh).components) return std::nullopt;
     Body out;
     out.report = body.report;
     std::erase_if(out.report.issues, [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
@@ -114,7 +110,23 @@ std::optional<Body> withoutCrossings(const Body& body) {
     return out;
 }
 
-Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const PreparedSurface& prepared, const BodySetting& setting, const Progress& progress) {
+/// The same body without its crossings: other triangles around them, or else, where flesh overlaps, its outer side alone.
+std::optional<Body> withoutCrossings(const Body& body) {
+    {
+        const Attempt untangling("the crossings of a surface with itself");
+        if (untangling)
+            if (auto out = withSurface(body, untangled(body.mesh))) return out;
+    }
+    const Attempt splitting("the outer side of a surface that crosses itself");
+    if (!splitting) return std::nullopt;
+    auto outer = outerSide(body.mesh);
+    if (!outer) return std::nullopt;
+    const TriangleMesh clean = separated(tidied(*outer));
+    if (auto out = withSurface(body, clean)) return out;
+    return withSurface(body, untangled(clean));  // what rounding left
+}
+
+Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const PreparedSurface& prepared, const BodySetting& setting, bool carry, const Progress& progress) {
     BodyBones moved;
     if (!bones.bone.empty()) {
         moved.parent = bones.parent;
@@ -122,7 +134,7 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
         for (std::size_t r = prepared.vertexOf.size(); r-- > 0;)  // of several at one place the first
             if (prepared.vertexOf[r] >= 0 && bones.bone[r] >= 0) moved.bone[at(prepared.vertexOf[r])] = bones.bone[r];
     }
-    IMOMUSHI_TRY(auto surface, mendedBody(prepared, moved, setting.links, progress));
+    IMOMUSHI_TRY(auto surface, mendedBody(prepared, moved, setting.links, carry, progress));
     Mended out;
     out.body.mesh = std::move(surface.mesh);
     if (!sound(out.body))
@@ -195,8 +207,33 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
     if (prepared.mesh.triangles.rows() == 0) return fail("no-volume", "The mesh has no triangle with an area: choose a file with a mesh.");
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");
 
-    auto mended = mend(render, bones, prepared, setting, progress.part(0.1, 0.2));
+    auto mended = mend(render, bones, prepared, setting, true, progress.part(0.1, 0.2));
     if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
+    // A mended body that crosses itself cannot be solved everywhere, and one that lost flesh is not the mesh: one that carries no parts takes its place, or else a wrap, where it is neither
+    // and hangs together as well.
+    const auto fits = [](const Body& body) { return !crossesItself(body) && body.report.distanceRms <= kFarOff && body.report.volumeError <= kMuchLost; };
+    const auto replaceWhatFails = [&](Body& body) {
+        measureDistance(render, body);
+        if (fits(body)) return;
+        if (auto whole = mend(render, bones, prepared, setting, false, progress.part(0.15, 0.2))) {
+            measureDistance(render, whole->body);
+            if (fits(whole->body) && whole->body.report.components <= body.report.components) {
+                body = std::move(whole->body);
+                return;
+            }
+        }
+        const double flesh = meshFacts(body.mesh).volume / (1.0 - std::min(body.report.volumeError, 0.9));
+        auto other = wrap(prepared, setting.detail, flesh, progress.part(0.2, 0.95));
+        if (!other) return;
+        measureDistance(render, *other);
+        const bool crosses = crossesItself(body);
+        const bool nearer = other->report.distanceRms < body.report.distanceRms && other->report.volumeError <= std::max(kMuchLost, body.report.volumeError);
+        const bool better = fits(*other) || (!crossesItself(*other) && (crosses || nearer));
+        if (!better || other->report.components > body.report.components) return;
+        other->report.issues.push_back({Severity::Info, "wrapped", crosses ? "A body of the mesh itself would cross itself: a new surface around everything was made."
+                                                                            : "A body of the mesh itself would lose too much of it: a new surface around everything was made.", 1, true, {}, {}});
+        body = std::move(*other);
+    };
     Result<Body> body = fail("no-volume", "");
     if (setting.how == BodyKind::Exact && !(mended && mended->exact)) {
         return fail("not-exact", mended ? "The mesh had to be mended to be a body: choose \"mended\" or \"auto\"." : mended.error().message);
@@ -204,6 +241,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         return tl::unexpected(mended.error());
     } else if (mended && setting.how != BodyKind::Wrapped) {
         body = std::move(mended->body);
+        if (setting.how == BodyKind::Auto) replaceWhatFails(*body);
     } else {
         body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
         if (!body) return tl::unexpected(body.error());
@@ -222,8 +260,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
     sayLeftOut(report.issues);
     measureDistance(render, *body);
-    // Vertices of parts that a mended body carries are away from it on purpose.
-    if ((report.how == BodyKind::Wrapped && report.distanceRms > kFarOff) || report.volumeError > kMuchLost) {
+    if (report.distanceRms > kFarOff || report.volumeError > kMuchLost) {
         std::string text = "The body is not quite the mesh: vertices are " + formatted("%.2g", 100.0 * report.distanceRms) + " % of the size away from it (root mean square)";
         if (report.volumeError > 0.0) text += ", and its volume is off by " + formatted("%.2g", 100.0 * report.volumeError) + " %";
         report.issues.push_back({Severity::Warning, "differs", text + ": choose another way to make it, or repair the mesh.", 1, false, {}, {}});

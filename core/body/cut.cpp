@@ -50,9 +50,14 @@ class NearestPlace {
 public:
     NearestPlace(const CutSurface& surface, const std::vector<Prepared>& others, const CutPlane& plane, int cut, const Progress& progress)
         : surface_(surface), plane_(plane), cut_(cut), progress_(progress) {
-        // Cuts that are refused for themselves are left out.
+        // Cuts that are refused for themselves are left out, and of those that touch each other the later ones: one refusal is all that is said of many cuts, and it must not be theirs.
         for (std::size_t c = 0; c < others.size(); ++c)
             if (static_cast<int>(c) != cut && others[c]) others_.push_back(*others[c]);
+        while (!progress.cancelled()) {
+            const auto pieces = assemblePieces(surface, others_);
+            if (pieces || pieces.error().other < 0) break;
+            others_.erase(others_.begin() + std::max(pieces.error().cut, pieces.error().other));
+        }
         others_.emplace_back();
     }
 

@@ -345,14 +345,34 @@ private:
         return result;
     }
 
+    /// Whether all points of a piece lie on cuts, as on a strip between two cuts through the same long triangles: its joint faces would hold it whole.
+    [[nodiscard]] bool heldWhole(std::int32_t root, const std::vector<std::int32_t>& members) {
+        std::vector<std::int32_t> held;
+        for (std::size_t c = 0; c < cuts_.size(); ++c)
+            if (sets_.find(front_[c]) == root || sets_.find(back_[c]) == root) held.insert(held.end(), capIds_[c].begin(), capIds_[c].end());
+        if (held.empty()) return false;
+        std::sort(held.begin(), held.end());
+        bool whole = true;
+        for (const std::int32_t p : members)
+            forSides(polygons_[static_cast<std::size_t>(p)], [&](std::int32_t id, std::int32_t) { whole = whole && std::binary_search(held.begin(), held.end(), id); });
+        return whole;
+    }
+
     [[nodiscard]] BodyPiece build(std::int32_t root, const std::vector<std::int32_t>& members) {
         BodyPiece piece;
         std::vector<std::array<std::int32_t, 3>> corners;
         std::vector<Vec3> places;
+        const bool held = heldWhole(root, members);
         for (const std::int32_t p : members) {
             const auto& [f, ids] = polygons_[static_cast<std::size_t>(p)];
             if (ids.empty()) {
                 corners.push_back({mesh_.triangles(f, 0), mesh_.triangles(f, 1), mesh_.triangles(f, 2)});
+            } else if (held && ids.size() > 3) {  // a free point in the middle, which leaves the surface what it is
+                Vec3 middle = Vec3::Zero();
+                for (const std::int32_t id : ids) middle += placeOf(id) / static_cast<double>(ids.size());
+                const std::int32_t own = bodyVertices() + static_cast<std::int32_t>(added_.size());
+                added_.push_back(middle);
+                for (std::size_t k = 0; k < ids.size(); ++k) corners.push_back({ids[k], ids[(k + 1) % ids.size()], own});
             } else {
                 places.clear();
                 for (const std::int32_t id : ids) places.push_back(placeOf(id));

@@ -93,7 +93,7 @@ bool related(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>
 
 }  // namespace
 
-Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pair<std::int32_t, std::int32_t>>& touching, const std::vector<std::int32_t>& parents, double size, const Progress& progress) {
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pair<std::int32_t, std::int32_t>>& touching, const std::vector<std::int32_t>& parents, double size, bool carry, const Progress& progress) {
     const std::size_t count = parts.size();
     Linking out;
     out.attached.assign(count, 0);
@@ -174,7 +174,7 @@ Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pa
         degree[p] = neighbours[p].size();
         if (degree[p] <= 1) ends.emplace(parts[p].volume, p);
     }
-    while (!ends.empty()) {
+    while (carry && !ends.empty()) {
         const std::size_t p = ends.begin()->second;
         ends.erase(ends.begin());
         if (degree[p] == 0 || !carried(p) || lost + parts[p].volume > kMostCarried * all) continue;

@@ -29,8 +29,8 @@ struct Linking {
 
 /// Which parts belong together: near ones, of them first those whose bones are the same or neighbours. A part at the end of a tree is attached where it is small, or where the
 /// bone that moves it moves more of another part (a backpack): it has no motion of its own. `touching`: pairs of parts that do, as many as hang them together. `parents`: of the
-/// bones, may be empty. `size`: of all parts together, m.
-Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pair<std::int32_t, std::int32_t>>& touching, const std::vector<std::int32_t>& parents, double size, const Progress& progress);
+/// bones, may be empty. `size`: of all parts together, m. `carry`: whether any are attached.
+Linking planLinks(const std::vector<FleshPart>& parts, const std::vector<std::pair<std::int32_t, std::int32_t>>& touching, const std::vector<std::int32_t>& parents, double size, bool carry, const Progress& progress);
 
 /// A tube of flesh between two parts that do not touch.
 struct LinkTube {

@@ -225,18 +225,6 @@ bool crowded(const EdgeTable& edges) {
     return false;
 }
 
-/// A closed surface that touches itself, in edges and vertices of its own there for each side.
-TriangleMesh separated(TriangleMesh mesh) {
-    if (const EdgeTable edges(mesh.triangles); nonManifoldVertices(mesh.triangles, edges).empty() && !crowded(edges)) return mesh;
-    RawSurface raw;
-    raw.mesh.body = std::move(mesh);
-    MendSurface s(std::move(raw));
-    separateNonManifold(s);
-    std::vector<std::int32_t> all(s.faces.size());
-    std::iota(all.begin(), all.end(), 0);
-    return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
-}
-
 /// The union of two parts, closed, with edges and vertices of its own for each side, and hanging together.
 std::optional<TriangleMesh> wholeUnion(const TriangleMesh& a, const TriangleMesh& b) {
     auto both = unite(a, b);
@@ -348,7 +336,8 @@ std::vector<std::pair<std::int32_t, std::int32_t>> endsOf(const std::vector<Fles
 /// Triangles of a union that are flatter than this lie between walls that were modelled in one place and differ by rounding: much flatter than any that were modelled.
 constexpr double kUnionFlat = 1e-5;
 
-/// A union without its voids, which nobody modelled, and without the flat triangles that it leaves.
+}  // namespace
+
 TriangleMesh tidied(const TriangleMesh& mesh) {
     RawSurface raw;
     raw.mesh.body = mesh;
@@ -367,9 +356,18 @@ TriangleMesh tidied(const TriangleMesh& mesh) {
     return taken(all, kept, false);
 }
 
-}  // namespace
+TriangleMesh separated(TriangleMesh mesh) {
+    if (const EdgeTable edges(mesh.triangles); nonManifoldVertices(mesh.triangles, edges).empty() && !crowded(edges)) return mesh;
+    RawSurface raw;
+    raw.mesh.body = std::move(mesh);
+    MendSurface s(std::move(raw));
+    separateNonManifold(s);
+    std::vector<std::int32_t> all(s.faces.size());
+    std::iota(all.begin(), all.end(), 0);
+    return taken({s.points, s.triangles()}, all, false);  // without vertices that are no longer used
+}
 
-Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, const Progress& progress) {
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, bool carry, const Progress& progress) {
     const TriangleMesh& mesh = surface.mesh;
     const double size = extentOf(mesh.vertices);
     Sorted sorted = sortSurfaces(mesh);
@@ -398,7 +396,7 @@ Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones
         for (const auto& [a, b] : touching) sets.unite(a, b);
         for (std::size_t p = 0; p < parts.size(); ++p) together[p] = sets.find(static_cast<std::int32_t>(p));
     }
-    Linking linking = planLinks(parts, touching, bones.parent, size, progress);
+    Linking linking = planLinks(parts, touching, bones.parent, size, carry, progress);
     if (links) linking.pairs = endsOf(*links, parts);
     for (const auto& [a, b] : linking.pairs) linking.attached[at(a)] = linking.attached[at(b)] = 0;
     if (progress.cancelled()) return fail(kCancelled, "Cancelled.");

@@ -24,7 +24,12 @@ struct MendedSurface {
 
 /// A closed body of the closed surfaces of a prepared mesh: those that cross are united, those that do not touch are linked by tubes of flesh (planLinks()), those inside of
 /// others and those that the others carry left out; a surface inside another that faces the other way is a cavity and stays. Errors: "not-mendable" (what is open, or crosses itself, matters), "cancelled".
-/// `bones`: of the vertices of `surface`. `links`: as BodySetting has them.
-Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, const Progress& progress);
+/// `bones`: of the vertices of `surface`. `links`: as BodySetting has them. `carry`: whether parts without a motion of their own are left out for the others to carry.
+Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, bool carry, const Progress& progress);
+
+/// A union of closed surfaces without its voids, which nobody modelled, and without the flat triangles that it leaves.
+TriangleMesh tidied(const TriangleMesh& mesh);
+/// A closed surface that touches itself, in edges and vertices of its own there for each side.
+TriangleMesh separated(TriangleMesh mesh);
 
 }  // namespace imomushi

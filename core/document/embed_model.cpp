@@ -168,11 +168,19 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
     for (Eigen::Index t = 0; t < model.triangles.rows(); ++t)
         for (int k = 1; k < 3; ++k) parts.unite(first[at(model.triangles(t, 0))], first[at(model.triangles(t, k))]);
 
+    // Those at one place follow one body vertex, also where the body has several there (surfaces that touch were parted) or only some of them are of the body.
+    const auto bodyVertexOf = [&](std::size_t v) {
+        const std::int32_t b = character.body->bodyVertex[v];
+        return b < 0 ? EmbeddedMesh::Vertex{-1, -1, false} : ofBody[at(b)];
+    };
+    std::vector<EmbeddedMesh::Vertex> ofPlace(count, {-1, -1, false});
+    for (std::size_t v = 0; v < count; ++v)
+        if (ofPlace[at(first[v])].element < 0) ofPlace[at(first[v])] = bodyVertexOf(v);
+
     const Skins skins(elements);
     std::vector<EmbeddedMesh::Vertex> vertices(count);
     for (std::size_t v = 0; v < count; ++v) {
-        const std::int32_t b = character.body->bodyVertex[v];
-        const EmbeddedMesh::Vertex on = b < 0 ? EmbeddedMesh::Vertex{-1, -1, false} : ofBody[at(b)];
+        const EmbeddedMesh::Vertex on = ofPlace[at(first[v])];
         if (on.element >= 0) {
             vertices[v] = on;
             // A cut has moved the body vertex, or the body was mended there: the vertex follows the surface beside it.
@@ -261,7 +269,7 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
         points->normals.resize(static_cast<Eigen::Index>(list.size()), 3);
         for (std::size_t i = 0; i < list.size(); ++i) {
             points->rest.row(static_cast<Eigen::Index>(i)) = model.vertices.row(list[i]);
-            points->normals.row(static_cast<Eigen::Index>(i)) = normals.row(list[i]);
+            points->normals.row(static_cast<Eigen::Index>(i)) = normals.row(first[at(list[i])]);  // at one place the same, or two sides of a sheet would follow different surfaces
         }
         const std::size_t element = out.points.size();
         for (auto& rigid : out.rigid) {

@@ -26,7 +26,7 @@ struct EmbeddedModel {
 };
 
 /// Render vertices at a body vertex follow it. Others follow the element whose surface (without the caps of cuts) is nearest, preferring surface that faces the way of their normal;
-/// vertices at one place follow the same element. A connected part of the render mesh follows one element as a whole if none of its vertices is a body vertex and it is smaller than kSmallPart of
+/// vertices at one place follow the same body vertex, or the same place of a surface, and stay together. A connected part of the render mesh follows one element as a whole if none of its vertices is a body vertex and it is smaller than kSmallPart of
 /// the model's diagonal and half of the element's. The element is the one of most of its vertices. The part is rigid unless the body is a wrap.
 /// Parts that the artist attached follow as they were told (Attachment), rigid ones the element of most of their vertices. Depends on model, body, attachments and pieces
 /// of the character alone.

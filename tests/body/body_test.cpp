@@ -142,6 +142,48 @@ TEST_CASE("body: walls of parts that were modelled in one place and differ by ro
     CHECK(flattest > 1e-3);
 }
 
+TEST_CASE("body: one surface whose flesh overlaps itself gives a body that does not cross itself") {
+    // A curl of one tube: it passes through itself at full thickness, as an arm that was modelled into the hip. Small crossings alone can be untangled.
+    constexpr int kAround = 12, kAlong = 60;
+    TriangleMesh curl;
+    curl.vertices.resize(kAround * (kAlong + 1) + 2, 3);
+    std::vector<Vec3> path;
+    for (int i = 0; i <= kAlong; ++i) {
+        const double t = -2.2 + 4.4 * i / kAlong;  // a loop in the plane of x and y that closes over its own beginning
+        path.emplace_back(t * t * t - 2.0 * t, t * t, 0.05 * t);
+    }
+    for (int i = 0; i <= kAlong; ++i) {
+        const Vec3 along = (path[static_cast<std::size_t>(std::min(i + 1, kAlong))] - path[static_cast<std::size_t>(std::max(i - 1, 0))]).normalized();
+        const Vec3 side = along.cross(Vec3::UnitZ()).normalized(), up = side.cross(along);
+        for (int k = 0; k < kAround; ++k) {
+            const double angle = 2.0 * std::numbers::pi * k / kAround;
+            curl.vertices.row(i * kAround + k) = (path[static_cast<std::size_t>(i)] + 0.35 * (std::cos(angle) * side + std::sin(angle) * up)).transpose();
+        }
+    }
+    const int first = kAround * (kAlong + 1), last = first + 1;
+    curl.vertices.row(first) = path.front().transpose();
+    curl.vertices.row(last) = path.back().transpose();
+    curl.triangles.resize(2 * kAround * (kAlong + 1), 3);
+    Eigen::Index f = 0;
+    for (int k = 0; k < kAround; ++k) {
+        const int j = (k + 1) % kAround;
+        curl.triangles.row(f++) << first, j, k;
+        for (int i = 0; i < kAlong; ++i) {
+            curl.triangles.row(f++) << i * kAround + k, i * kAround + j, (i + 1) * kAround + j;
+            curl.triangles.row(f++) << i * kAround + k, (i + 1) * kAround + j, (i + 1) * kAround + k;
+        }
+        curl.triangles.row(f++) << last, kAlong * kAround + k, kAlong * kAround + j;
+    }
+    if (meshFacts(curl).volume < 0.0) curl.triangles.col(1).swap(curl.triangles.col(2));
+    const Body body = made(curl, BodyKind::Mended);
+    CHECK_FALSE(has(body, "self-intersection"));
+    CHECK(has(body, "untangled"));
+    CHECK(body.report.components == 1);
+    CHECK(body.report.distanceRms < 1e-3);  // most of its vertices are those of the file; what is buried is not seen
+    CHECK(volume(body) < meshFacts(curl).volume);
+    CHECK(volume(body) > 0.9 * meshFacts(curl).volume);
+}
+
 TEST_CASE("body: a part inside is left out, a cavity stays") {
     const TriangleMesh ball = shapes::sphere(1.0, 2).mesh, core = moved(ball, 0.5, Vec3::Zero());
     const double whole = meshFacts(ball).volume;

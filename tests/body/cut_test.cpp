@@ -102,6 +102,18 @@ TEST_CASE("cut: two cuts through the same long triangles of a box leave three pi
     CHECK(pieces[2].caps.size() == 2);
 }
 
+TEST_CASE("cut: a piece between two cuts has vertices that no joint face holds, also where the body has none there") {
+    const TriangleMesh body = shapes::box(Vec3::Zero(), Vec3(1, 1, 4), 1, 1, 1).mesh;
+    const Cuts cuts{{Vec3(0.5, 0.5, 1), Vec3(0.1, 0, 1)}, {Vec3(0.5, 0.5, 3), Vec3(0, 0.2, 1)}};
+    const auto pieces = accepted(body, cuts);
+    REQUIRE(pieces.size() == 3);
+    for (const BodyPiece& piece : pieces) {
+        std::size_t held = 0;
+        for (const BodyPiece::Cap& cap : piece.caps) held += cap.vertices.size();
+        CHECK(held < piece.source.size());
+    }
+}
+
 TEST_CASE("cut: a cut that is moved, added or taken out leaves the bytes of all pieces but its own") {
     for (const TriangleMesh& body : {limb(), shapes::box(Vec3::Zero(), Vec3(1, 1, 3), 1, 1, 1).mesh, shapes::bar(4).mesh}) {
         Cuts cuts{{Vec3(0.2, 0.2, 0.62), Vec3(0, 0.1, 1)}, {Vec3(0.2, 0.2, 1.501), Vec3(0.1, 0, -1)}, {Vec3(0.2, 0.2, 2.31), Vec3(0, 0, 1)}};
@@ -252,6 +264,18 @@ TEST_CASE("cut: cuts that meet are refused with both, and the nearest place that
     CHECK(std::abs(same.nearest->origin.z() - 1.4) < 0.1);
     // A little apart they are fine.
     CHECK(accepted(body, {{Vec3(0, 0, 1.4), Vec3(0, 0, 1)}, {Vec3(0, 0, 1.45), Vec3(0, 0, 1)}}).size() == 3);
+}
+
+TEST_CASE("cut: the nearest place that is said works, also where other cuts meet each other") {
+    // Three pairs that cross, each at its own place: only one of them can be told.
+    const TriangleMesh body = shapes::cylinder(0.5, 12.0, 24, 72).mesh;
+    Cuts cuts;
+    for (const double z : {2.0, 6.0, 10.0})
+        for (const double lean : {0.5, -0.5}) cuts.push_back({Vec3(0, 0, z), Vec3(0, lean, 1)});
+    const CutRefusal crossing = refused(body, cuts);
+    REQUIRE(crossing.other >= 0);
+    REQUIRE(crossing.nearest.has_value());
+    accepted(body, {cuts[static_cast<std::size_t>(crossing.other)], *crossing.nearest});
 }
 
 TEST_CASE("cut: a plane that misses the body says where it would hit it") {

@@ -11,4 +11,8 @@ namespace imomushi {
 /// None where CGAL finds none, or where it encloses more than 1 % more or less.
 std::optional<TriangleMesh> untangled(const TriangleMesh& mesh);
 
+/// The outer side of a closed, manifold surface that crosses itself: its triangles split where they cross, without those that lie within the flesh. What overlaps is one. It may touch
+/// itself in edges and vertices. None where CGAL finds none, or nothing is enclosed.
+std::optional<TriangleMesh> outerSide(const TriangleMesh& mesh);
+
 }  // namespace imomushi
