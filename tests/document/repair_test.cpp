@@ -191,13 +191,15 @@ TEST_CASE("repair: parts of an element that overlap become one body, and what is
     CHECK(w.content() == before);
 }
 
-TEST_CASE("repair: a surface that goes through itself is wrapped, last and only then") {
+TEST_CASE("repair: a surface that goes through itself is mended when it comes in: its body is the outer side, and nothing is left to repair") {
     MessyBench w;
     const Json imported = w.import("crossed");
-    REQUIRE(imported["body"]["how"] == "exact");
-    CHECK(has(imported["issues"], "self-intersection"));
-    CHECK(!issueOf(w.it(), "self-intersection")->triangles.empty());
-    const Json answer = w.good({{"do", "repair"}, {"element", "it"}});
+    REQUIRE(imported["body"]["how"] == "mended");
+    CHECK(has(imported["issues"], "untangled"));
+    CHECK(!has(imported["issues"], "self-intersection"));
+    CHECK(checkMesh(w.session.document().elements.begin()->second->mesh->body).empty());
+    CHECK(w.session.document().elements.begin()->second->mesh->connectivity().facts().outward);
+    const Json answer = w.good({{"do", "repair"}, {"element", "it"}, {"actions", {"wrap"}}});
     CHECK(answer["body"]["how"] == "wrapped");
     CHECK(!has(answer["after"], "self-intersection"));
     CHECK(w.session.document().elements.begin()->second->mesh->connectivity().facts().outward);
