@@ -12,6 +12,7 @@
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/live/performance.h"
+#include "core/live/performer.h"
 #include "core/project/project_file.h"
 
 namespace imomushi {
@@ -59,6 +60,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     const Command* what = registry_.find(name->get_ref<const std::string&>());
     if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
     if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
+    const ParkedPerformer parked(performer_.get());
     if (prepared_ && prepared_->command == command && prepared_->fits(document())) return takeOver(*prepared_);
 
     // Frames that follow each other are one line of the script.
@@ -195,11 +197,13 @@ void Session::putBack() {
 // ---- gestures ----------------------------------------------------------------------------------------------------------
 
 void Session::beginGesture() {
+    const ParkedPerformer parked(performer_.get());
     if (history_.inGesture()) endGesture();
     history_.beginGesture();
 }
 
 void Session::endGesture(Step named) {
+    const ParkedPerformer parked(performer_.get());
     if (!history_.endGesture(std::move(named))) return;
     Change change;
     change.history = true;
@@ -215,6 +219,7 @@ Document Session::dropGesture() noexcept {
 
 void Session::cancelGesture() noexcept {
     if (!history_.inGesture()) return;
+    const ParkedPerformer parked(performer_.get());
     const Document left = dropGesture();
     Change change = changeSince(left);
     change.history = true;
@@ -225,33 +230,87 @@ void Session::cancelGesture() noexcept {
 // ---- the live character ------------------------------------------------------------------------------------------------
 
 Character* Session::character() const {
+    if (performer_) return performer_->character();
     const auto alive = live_->built();
     return alive ? *alive : nullptr;
 }
 
-Result<Character*> Session::builtCharacter() const { return live_->built(); }
-std::shared_ptr<const BuiltCharacter> Session::releaseCharacter() { return live_->release(); }
-void Session::reuseCharacter(std::shared_ptr<const BuiltCharacter> built) { live_->reuse(std::move(built)); }
+Result<Character*> Session::builtCharacter() const {
+    if (performer_) performer_->refresh();
+    if (performer_ && performer_->running()) return performer_->character();
+    const auto alive = live_->built();
+    return alive && performer_ ? Result<Character*>(performer_->character()) : alive;
+}
+
+std::shared_ptr<const BuiltCharacter> Session::releaseCharacter() {
+    const ParkedPerformer parked(performer_.get());
+    return live_->release();
+}
+
+void Session::reuseCharacter(std::shared_ptr<const BuiltCharacter> built) {
+    const ParkedPerformer parked(performer_.get());
+    live_->reuse(std::move(built));
+}
+
 const CharacterPlan& Session::plan() const { return live_->plan(); }
-int Session::elementIndex(PartId element) const { return live_->built() ? live_->plan().elementIndex(element) : -1; }
-int Session::pointIndex(const EndpointRef& end) const { return live_->built() ? live_->plan().pointIndex(end) : -1; }
-Result<std::vector<PoseFinding>> Session::checkPose() const { return imomushi::checkPose(*live_); }
+int Session::elementIndex(PartId element) const { return builtCharacter() ? live_->plan().elementIndex(element) : -1; }
+int Session::pointIndex(const EndpointRef& end) const { return builtCharacter() ? live_->plan().pointIndex(end) : -1; }
+
+Result<std::vector<PoseFinding>> Session::checkPose() const {
+    const ParkedPerformer parked(performer_.get());
+    return imomushi::checkPose(*live_);
+}
+
 std::vector<std::function<void()>> Session::missingWatches() const {
     const Character* alive = character();
     return alive ? alive->missingWatches() : std::vector<std::function<void()>>();
 }
-const Pose& Session::shownPose() const { return live_->shownPose(); }
-Result<Vec3> Session::positionOf(const EndpointRef& end) const { return live_->positionOf(end); }
-Result<HandlePose> Session::poseOf(const FaceRef& handle) const { return live_->poseOf(handle); }
-Points Session::positionsOf(PartId element) const { return live_->positionsOf(element); }
-Points Session::renderPositionsOf(PartId character) const { return live_->renderPositionsOf(character); }
-bool Session::moving() const { return live_->moving(); }
+
+const Pose& Session::shownPose() const {
+    if (performer_) performer_->refresh();
+    return performer_ && performer_->running() ? performer_->frame().pose : live_->shownPose();
+}
+
+Result<Vec3> Session::positionOf(const EndpointRef& end) const {
+    if (performer_) performer_->refresh();
+    if (!performer_ || !performer_->running()) return live_->positionOf(end);
+    const auto point = static_cast<std::size_t>(plan().pointIndex(end));
+    const auto& points = performer_->frame().pose.points;
+    return points.empty() ? plan().input.skeleton.points[point] : points[point];
+}
+
+Result<HandlePose> Session::poseOf(const FaceRef& handle) const {
+    if (performer_) performer_->refresh();
+    if (!performer_ || !performer_->running()) return live_->poseOf(handle);
+    const int index = plan().handleIndex(handle);
+    if (index < 0) return fail("no-such-handle", "The handle \"" + handle.face + "\" is not there.");
+    return performer_->character()->shownHandle(index);
+}
+
+Points Session::positionsOf(PartId element) const {
+    const ParkedPerformer parked(performer_.get());
+    return live_->positionsOf(element);
+}
+
+Points Session::renderPositionsOf(PartId character) const {
+    const ParkedPerformer parked(performer_.get());
+    return live_->renderPositionsOf(character);
+}
+
+bool Session::moving() const {
+    if (performer_) performer_->refresh();
+    return performer_ ? performer_->running() : live_->moving();
+}
 
 void Session::stepFrame(double seconds) {
-    const auto& met = document().effects[EffectKind::Contact].elements;
-    const std::size_t before = met.size();
+    const ParkedPerformer parked(performer_.get());
+    const std::size_t before = document().effects[EffectKind::Contact].elements.size();
     live_->stepFrame(seconds);
-    if (met.size() == before) return;
+    tellOfMeetings(before);
+}
+
+void Session::tellOfMeetings(std::size_t before) {
+    if (document().effects[EffectKind::Contact].elements.size() == before) return;
     // What met lacks its patches now: who listens shows it so.
     Change change;
     change.document.effects = document().effects;
@@ -259,16 +318,55 @@ void Session::stepFrame(double seconds) {
     tell(change);
 }
 
-std::optional<double> Session::effectMilliseconds(EffectKind effect) const { return live_->effectMilliseconds(effect); }
-unsigned Session::warnings() const { return live_->warnings(); }
+void Session::perform(double hertz, std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, hertz, std::move(stepped)); }
 
-std::optional<Session::Recording> Session::recording() const {
-    const auto& recorded = live_->recording();
-    if (!recorded) return std::nullopt;
-    return Recording{recorded->take.name, recorded->take.times.size(), recorded->take.duration()};
+bool Session::takeFrame() {
+    if (!performer_) return false;
+    performer_->refresh();
+    if (!performer_->take()) return false;
+    const PerformedFrame& frame = performer_->frame();
+    if (!frame.resting && !frame.met) return true;
+    // The document becomes what was performed.
+    const std::size_t before = document().effects[EffectKind::Contact].elements.size();
+    const ParkedPerformer parked(performer_.get());
+    tellOfMeetings(before);
+    return true;
 }
 
-bool Session::showsTake() const { return live_->showsTake(); }
+std::optional<Session::Performed> Session::performed() const {
+    if (!performer_) return std::nullopt;
+    return Performed{performer_->frame().step, performer_->frame().milliseconds, performer_->leftOut()};
+}
+
+std::optional<double> Session::effectMilliseconds(EffectKind effect) const {
+    if (!performer_ || !performer_->running()) return live_->effectMilliseconds(effect);
+    const double ms = performer_->frame().effectMs[static_cast<std::size_t>(effect)];
+    return ms < 0.0 ? std::nullopt : std::optional(ms);
+}
+
+std::optional<StageTimes> Session::stages() const {
+    if (!character()) return std::nullopt;
+    return performer_ ? performer_->stages() : live_->stages();
+}
+
+unsigned Session::warnings() const { return performer_ && performer_->running() ? performer_->frame().warnings : live_->warnings(); }
+
+std::optional<Session::Recording> Session::recording() const {
+    if (performer_ && performer_->running()) {
+        const auto& take = performer_->recording();
+        return take ? std::optional(Recording{*take, performer_->frame().recorded, performer_->frame().recordedSeconds, performer_->frame().recordingEnded}) : std::nullopt;
+    }
+    const auto& recorded = live_->recording();
+    if (!recorded) return std::nullopt;
+    return Recording{recorded->take.name, recorded->take.times.size(), recorded->take.duration(), !recorded->going};
+}
+
+bool Session::showsTake() const { return !(performer_ && performer_->running()) && live_->showsTake(); }
+
+std::vector<Json> Session::script() const {
+    const ParkedPerformer parked(performer_.get());
+    return history_.script();
+}
 
 EffectCost Session::effectCost(EffectKind effect) const { return imomushi::effectCost(document(), responses_, effect); }
 
@@ -277,6 +375,7 @@ EffectCost Session::effectCost(EffectKind effect) const { return imomushi::effec
 void Session::setListener(std::function<void(const Change&)> listener) { listener_ = std::move(listener); }
 
 Project Session::project() {
+    const ParkedPerformer parked(performer_.get());
     responses_.refresh();
     return {history_.document(), responses_.last(), {}};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -21,6 +22,8 @@ namespace imomushi {
 
 struct BuiltCharacter;
 class LiveCharacter;
+class Performer;
+struct StageTimes;
 struct CharacterPlan;
 struct PoseFinding;
 struct PreparedStep;
@@ -61,7 +64,7 @@ public:
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
     [[nodiscard]] const std::filesystem::path& path() const { return history_.path(); }  ///< of the project file, empty: never saved
     /// The commands that make the document again, as "save-script" writes them; see DocumentHistory::hasScript().
-    [[nodiscard]] std::vector<Json> script() const { return history_.script(); }
+    [[nodiscard]] std::vector<Json> script() const;
     [[nodiscard]] bool hasScript() const { return history_.hasScript(); }
     void setScriptBytes(std::size_t bytes) { history_.setScriptBytes(bytes); }
 
@@ -79,7 +82,7 @@ public:
     [[nodiscard]] EffectCost effectCost(EffectKind effect) const;
 
     // ---- the live character: see LiveCharacter
-    // Questions build the character where it is not the document's any more.
+    // Questions build the character where it is not the document's any more. While another thread steps it, they are answered by what its last frame shows.
     /// Null: there is none, or it cannot be built.
     Character* character() const;
     /// Null: there are no elements and no bones. Errors: those of LiveCharacter::built().
@@ -103,13 +106,28 @@ public:
     bool moving() const;
     /// Advances by one frame (s). What "step" does `frames` times.
     void stepFrame(double seconds);
+    /// From now on a thread of its own steps frames, `hertz` times a second, while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
+    /// `stepped` is called on that thread after each step, and must return at once: takeFrame() then belongs on this one.
+    void perform(double hertz, std::function<void()> stepped);
+    /// Questions are answered from the frame that was stepped last, from now on. False: they were already.
+    bool takeFrame();
+    /// The last frame that was taken, while frames are stepped on a thread of their own: how many were stepped, and what it took, ms. None: they are not.
+    struct Performed {
+        std::uint64_t step = 0;
+        double milliseconds = 0.0;
+        double leftOut = 0.0;  ///< s of performance that were left out so far, as steps took longer than their time
+    };
+    [[nodiscard]] std::optional<Performed> performed() const;
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    /// Of the last frame, see live_character.h; none without a character.
+    [[nodiscard]] std::optional<StageTimes> stages() const;
     [[nodiscard]] unsigned warnings() const;                                 ///< of FrameWarning, see LiveCharacter
     /// What is being recorded (the command "record"); none: nothing.
     struct Recording {
         std::string take;
         std::size_t frames = 0;
         double seconds = 0.0;
+        bool ended = false;  ///< it takes no more frames: the character is another one, or the take is full
     };
     [[nodiscard]] std::optional<Recording> recording() const;
     /// A take is what is seen (the command "play"), not the pose of the document.
@@ -146,6 +164,8 @@ private:
     void takeBack(Document&& before) noexcept;
     [[nodiscard]] Change changeSince(const Document& before) const noexcept;
     void tell(const Change& change) noexcept;
+    /// Flesh that met since `before` elements had.
+    void tellOfMeetings(std::size_t before);
     /// The document that was replaced is back.
     void putBack();
     /// Takes back the gesture that goes on. The document as it was with it.
@@ -156,6 +176,7 @@ private:
     VersionLimits versions_;
     DocumentResponses responses_;
     std::unique_ptr<LiveCharacter> live_;
+    std::unique_ptr<Performer> performer_;  // null: frames are stepped here
     std::function<void(const Change&)> listener_;
     Services services_ = coreServices();
     /// What another document took the place of, until the command that did it has ended.

@@ -147,15 +147,6 @@ void DocumentHistory::dropOldest() {
     if (scriptFrom_) scriptFrom_ = std::max(0, *scriptFrom_ - gone);
 }
 
-void DocumentHistory::advanceGlides(double seconds) {
-    for (auto& [end, held] : document_.goals)
-        if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
-    for (auto& [handle, held] : document_.handleGoals)
-        if (held.elapsed < held.seconds) held.elapsed = std::min(held.seconds, held.elapsed + seconds);
-    for (auto& [part, turn] : document_.turns)
-        if (turn.elapsed < turn.seconds) turn.elapsed = std::min(turn.seconds, turn.elapsed + seconds);
-}
-
 void DocumentHistory::exchangeEntries(int first, int last, bool redo) {
     Document document = document_;
     std::vector<DocumentChange> changes;
@@ -274,6 +265,15 @@ void DocumentHistory::noteFrame(double seconds) {
     constexpr std::size_t kMost = 10'000;  // a few minutes
     if (frames_.size() >= kMost) flushFrames();
     frames_.push_back(seconds);
+}
+
+void DocumentHistory::noteFrames(const std::vector<double>& seconds) noexcept {
+    try {
+        for (const double s : seconds) noteFrame(s);
+    } catch (const std::bad_alloc&) {
+        frames_.clear();
+        dropLines();
+    }
 }
 
 void DocumentHistory::flushFrames() {

@@ -36,10 +36,8 @@ public:
     /// Makes `after` the document, as one undo step of its own. In an open gesture, its commands so far become a step before this one, and the gesture goes on as a new step. `lines`: for the script.
     void addStep(Step step, Document after, const std::vector<Json>& lines);
 
-    // ---- what passes with time is no step
-    Pose& pose() { return document_.pose; }
-    /// s.
-    void advanceGlides(double seconds);
+    /// What passes with time is no step: the pose, glides, and flesh that meets.
+    Document& passing() { return document_; }
 
     // ---- undo and redo: `count` steps at once
     /// Errors: "nothing-to-undo"; then nothing changes.
@@ -74,6 +72,8 @@ public:
     void note(const Json& line);
     /// A frame of `seconds` was stepped: takes depend on frames. Frames become one line when flushFrames() is called.
     void noteFrame(double seconds);
+    /// The same of several; where memory runs out, there is no script (hasScript()).
+    void noteFrames(const std::vector<double>& seconds) noexcept;
     void flushFrames();
     /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on. Where there is one: see hasScript().
     [[nodiscard]] std::vector<Json> script() const;

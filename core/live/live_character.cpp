@@ -13,6 +13,7 @@
 #include "core/touch/touch_contact.h"
 #include "core/effects/touch_job.h"
 #include "core/effects/ground_job.h"
+#include "core/effects/smooth_joints_job.h"
 
 namespace imomushi {
 
@@ -25,13 +26,28 @@ constexpr int kLiftRounds = 8;
 /// The same in a frame, where flesh came deep into the ground.
 constexpr int kLiftsOfFrame = 4;
 
-/// Flesh that met in the last frame is in the effect of the document from now on: no step of the history, as it passes with time. `valid`: false then, the character is built anew.
+/// Frames on another thread for which there is room from the start: a quarter of an hour at 60 Hz.
+constexpr std::size_t kFramesOfStretch = 1 << 16;
+/// A pose whose points move less than this part of the skeleton in a frame has come as near as it can.
+constexpr double kAtRest = 1e-6;
+
+/// Flesh that met in the last frame is in the effect of the document from now on: no step of the history, as it passes with time. True: then the character must be built anew.
 /// Not in a recording, which another character would end.
-void noteMeetings(const Character& character, const CharacterPlan& plan, bool recording, Document& document, bool& valid) {
+bool noteMeetings(const Character& character, const CharacterPlan& plan, bool recording, Document& document) {
     const auto* contact = character.input().effects.find<ContactEffect>();
-    if (!contact || !contact->met || contact->met->empty() || recording) return;
+    if (!contact || !contact->met || contact->met->empty() || recording) return false;
     for (const std::size_t e : *contact->met) document.effects[EffectKind::Contact].elements.insert(plan.elements[e]);
-    valid = false;
+    return true;
+}
+
+void advanceGlides(Document& document, double seconds) {
+    const auto advance = [seconds](auto& goals) {
+        for (auto& [what, goal] : goals)
+            if (goal.elapsed < goal.seconds) goal.elapsed = std::min(goal.seconds, goal.elapsed + seconds);
+    };
+    advance(document.goals);
+    advance(document.handleGoals);
+    advance(document.turns);
 }
 
 }  // namespace
@@ -89,8 +105,14 @@ bool LiveCharacter::usesLatestResponses() const {
     return true;
 }
 
+void LiveCharacter::leaveVerticesToOthers(bool leave) {
+    leavesVertices_ = leave;
+    for (std::size_t e = 0; character_ && e < plan_.elements.size(); ++e) character_->deformExternally(static_cast<int>(e), leave);
+}
+
 Result<void> LiveCharacter::build() {
     valid_ = true;
+    ++builds_;
     error_.reset();
     shownTake_.reset();
     // Where flesh meets while a body moves, it goes on: only answers of its elements are others.
@@ -125,6 +147,7 @@ Result<void> LiveCharacter::build() {
     }
     character_ = std::move(*made);
     character_->keepExact(recording_.has_value());
+    if (leavesVertices_) leaveVerticesToOthers(true);
     dropForeignPose();
     poseConverged_ = false;
     if (auto ok = prepare(); !ok) return ok;
@@ -134,14 +157,15 @@ Result<void> LiveCharacter::build() {
 
 void LiveCharacter::dropForeignPose() {
     const Skeleton& skeleton = plan_.input.skeleton;
-    Pose& pose = history_.pose();
+    Pose& pose = passing().pose;
     if (pose.points.size() != skeleton.points.size() || pose.frames.size() != skeleton.bones.size() || pose.roll.size() != skeleton.points.size()) pose = {};
 }
 
 Result<void> LiveCharacter::prepare() {
     performanceValid_ = true;
     const Effects& effects = document().effects;
-    if (character_) character_->tune(characterEffects(document()));
+    if (character_) character_->tune(this->effects());
+    ++tunes_;
     if (!Performance::wanted(effects)) {
         performance_.reset();
         return {};
@@ -160,7 +184,7 @@ Result<void> LiveCharacter::prepare() {
 Pose LiveCharacter::posed() const { return document().pose.points.empty() ? restPose(plan_.input.skeleton) : document().pose; }
 
 Pose& LiveCharacter::ownPose() {
-    Pose& pose = history_.pose();
+    Pose& pose = passing().pose;
     if (pose.points.empty()) pose = restPose(plan_.input.skeleton);
     return pose;
 }
@@ -169,8 +193,10 @@ Pose& LiveCharacter::ownPose() {
 
 const Pose& LiveCharacter::shownPose() {
     if (!built()) return document().pose;
-    return shownTake_ ? *shownTake_ : performance_ ? performance_->pose() : document().pose;
+    return presentPose();
 }
+
+const Pose& LiveCharacter::presentPose() const { return shownTake_ ? *shownTake_ : performance_ ? performance_->pose() : document().pose; }
 
 Result<Vec3> LiveCharacter::positionOf(const EndpointRef& end) {
     if (auto alive = built(); !alive) return tl::unexpected(alive.error());
@@ -254,11 +280,11 @@ Result<LiveCharacter::Convergence> LiveCharacter::converge() {
 Result<void> LiveCharacter::returnToRest() {
     if (auto alive = built(); !alive) return tl::unexpected(alive.error());
     if (!character_) return {};
-    history_.pose() = restPose(plan_.input.skeleton);
+    passing().pose = restPose(plan_.input.skeleton);
     collectGoals();
     bool converged = goals_.empty();
     for (int i = 0; i < kMostSolves && !converged; ++i) {
-        const auto report = character_->solvePose(goals_, history_.pose());
+        const auto report = character_->solvePose(goals_, passing().pose);
         converged = report.converged || !report.finite;
     }
     return {};
@@ -280,6 +306,7 @@ void LiveCharacter::showPose() {
     character_->update(performance_ ? performance_->pose() : pose);
     seeFlesh();
     if (raised) liftFlesh(pose);
+    ++shows_;
 }
 
 void LiveCharacter::seeFlesh() {
@@ -303,6 +330,7 @@ void LiveCharacter::jumpToPose() {
     character_->stop();
     showPose();
     if (performance_ && performance_->isDynamic()) liftFlesh(posed());
+    ++shows_;
 }
 
 bool LiveCharacter::putFinger(const Touch& touch) {
@@ -369,24 +397,37 @@ void LiveCharacter::applyTouches() {
 
 // ---- time --------------------------------------------------------------------------------------------------------------
 
+bool LiveCharacter::swings() const {
+    if (shownTake_) return false;
+    if (awake_ && (!character_->resting() || (performance_ && (performance_->isDynamic() || !performance_->resting())))) return true;
+    const auto glide = [](const auto& goals) { return std::any_of(goals.begin(), goals.end(), [](const auto& goal) { return goal.second.elapsed < goal.second.seconds; }); };
+    return glide(document().goals) || glide(document().handleGoals) || glide(document().turns);
+}
+
 bool LiveCharacter::moving() {
     const auto alive = built();
-    if (!alive || !*alive || shownTake_) return false;
-    if (awake_ && (!character_->resting() || (performance_ && (performance_->isDynamic() || !performance_->resting())))) return true;
-    const auto& held = document().goals;
-    const auto& handles = document().handleGoals;
-    const auto glides = [](const auto& h) { return h.second.elapsed < h.second.seconds; };
-    const auto& turns = document().turns;
-    return std::any_of(held.begin(), held.end(), glides) || std::any_of(handles.begin(), handles.end(), glides) || std::any_of(turns.begin(), turns.end(), glides);
+    return alive && *alive && swings();
+}
+
+bool LiveCharacter::inMotion() const {
+    return (recording_ && recording_->going) || swings() || (!shownTake_ && approaching_ && !document().goals.empty());
 }
 
 void LiveCharacter::stepFrame(double seconds) {
     const auto alive = built();
     if (!alive || !*alive) return;
+    stepOn(seconds);
+    if (met_) valid_ = met_ = false;
+    history_.noteFrame(seconds);
+}
+
+void LiveCharacter::stepOn(double seconds) {
     const bool wasTake = shownTake_.has_value();
-    shownTake_.reset();
-    history_.advanceGlides(seconds);
+    if (wasTake) shownTake_.reset();
+    Document& document = passing();
+    advanceGlides(document, seconds);
     collectGoals();
+    pointsBefore_ = document.pose.points;
     bool converged = true;
     // What is converged is not solved again: it would go on changing by rounding, and nothing would ever rest.
     if (!goals_.empty() && !(poseConverged_ && goals_ == convergedGoals_)) {
@@ -409,14 +450,51 @@ void LiveCharacter::stepFrame(double seconds) {
             character_->shift(performance_->pose());
             seeFlesh();
         }
-    } else if (handled || turned || morphed || !document().pose.points.empty() || awake_ || wasTake || !character_->resting()) {
+    } else if (handled || turned || morphed || !document.pose.points.empty() || awake_ || wasTake || !character_->resting()) {
         character_->update(ownPose(), seconds);
     }
+    ++shows_;
     measureEffects();
-    noteMeetings(*character_, plan_, recording_.has_value(), history_.edit(), valid_);
+    met_ = noteMeetings(*character_, plan_, recording_.has_value(), document) || met_;
     awake_ = !converged || (performance_ && !performance_->resting()) || !character_->resting();
+    const auto& points = document.pose.points;
+    double moved = pointsBefore_.size() == points.size() ? 0.0 : 1.0, size = 0.0;
+    for (std::size_t i = 0; i < points.size() && i < pointsBefore_.size(); ++i) {
+        moved = std::max(moved, (points[i] - pointsBefore_[i]).norm());
+        size = std::max(size, (points[i] - points[0]).norm());
+    }
+    approaching_ = approaching_ && !(moved <= kAtRest * size);
     recordFrame(seconds);
-    history_.noteFrame(seconds);
+}
+
+// ---- time on another thread --------------------------------------------------------------------------------------------
+
+void LiveCharacter::beginPerforming() {
+    performedFrames_.reserve(kFramesOfStretch);
+    performed_ = history_.document();
+    met_ = false;
+}
+
+void LiveCharacter::advance(double seconds) noexcept {
+    try {
+        stepOn(seconds);
+        performedFrames_.push_back(seconds);
+    } catch (const std::bad_alloc&) {
+        if (recording_) recording_->going = false;
+    }
+}
+
+void LiveCharacter::endPerforming() noexcept {
+    Document& document = history_.passing();
+    document.pose = std::move(performed_->pose);
+    document.goals = std::move(performed_->goals);
+    document.handleGoals = std::move(performed_->handleGoals);
+    document.turns = std::move(performed_->turns);
+    if (met_) document.effects = std::move(performed_->effects);
+    performed_.reset();
+    if (met_) valid_ = met_ = false;
+    history_.noteFrames(performedFrames_);
+    performedFrames_.clear();
 }
 
 void LiveCharacter::measureEffects() {
@@ -428,6 +506,12 @@ void LiveCharacter::measureEffects() {
     for (const auto& [effect, milliseconds] : character_->stats().effects) measured(*effectNamed(effect), milliseconds);
     if (performance_ && performance_->isDynamic()) measured(EffectKind::BoneDynamics, performance_->milliseconds());
     if (performance_ && !performance_->isDynamic()) effectMs_[static_cast<std::size_t>(EffectKind::Ground)] += performance_->milliseconds();
+}
+
+StageTimes stageTimes(const Character& character) {
+    const Character::Stats& stats = character.stats();
+    const double equilibrium = stats.effectMs(SmoothJointsEffect::kName);
+    return {stats.poseMs, stats.jointsMs - equilibrium, equilibrium, stats.productMs, stats.normalsMs};
 }
 
 std::optional<double> LiveCharacter::effectMilliseconds(EffectKind effect) const {
@@ -530,6 +614,7 @@ void LiveCharacter::replace() {
 
 void LiveCharacter::wake(bool posed) {
     if (posed) poseConverged_ = false;
+    approaching_ = approaching_ || posed;
     awake_ = true;
 }
 

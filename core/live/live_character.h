@@ -20,6 +20,12 @@
 
 namespace imomushi {
 
+/// Wall time of the stages of a frame, ms.
+struct StageTimes {
+    double pose = 0.0, joints = 0.0, equilibrium = 0.0, product = 0.0, normals = 0.0;  ///< `joints` without `equilibrium`
+};
+StageTimes stageTimes(const Character& character);
+
 /// What a LiveCharacter built, for another one of a document that shares parts with its own. On any thread.
 struct BuiltCharacter {
     Character character;
@@ -39,19 +45,34 @@ public:
     /// built() takes over what fits when it builds next.
     void reuse(std::shared_ptr<const BuiltCharacter> built) { reusable_ = std::move(built); }
 
-    [[nodiscard]] const Document& document() const { return history_.document(); }
+    /// As time has passed so far; between beginPerforming() and endPerforming() ahead of that of the history.
+    [[nodiscard]] const Document& document() const { return performed_ ? *performed_ : history_.document(); }
 
     // ---- what it is
     /// Built anew where the document or the responses ask for it. Null with an empty document. Errors: those of planCharacter() and Character::build().
     Result<Character*> built();
     /// Of the character that built() made last.
     [[nodiscard]] const CharacterPlan& plan() const { return plan_; }
+    /// built() has something to do: the document or the responses are newer than the character.
+    [[nodiscard]] bool outOfDate() const { return !valid_ || responsesSeen_ != responses_.store().revision(); }
+    /// How often a character was built here, got new settings for its effects, and changed what it shows.
+    [[nodiscard]] std::uint64_t builds() const { return builds_; }
+    [[nodiscard]] std::uint64_t tunes() const { return tunes_; }
+    [[nodiscard]] std::uint64_t shows() const { return shows_; }
+    /// The settings of effects that the character has.
+    [[nodiscard]] CharacterEffects effects() const { return characterEffects(document()); }
+    /// True: somebody else shows what this character shows, so that its vertices are evaluated only where effects or questions need them. From the next character that is built.
+    void leaveVerticesToOthers(bool leave);
     /// The plan of any state of the document; the two latest are remembered. Errors: those of planCharacter().
     Result<std::shared_ptr<const CharacterPlan>> planOf(const Document& document);
 
     // ---- where it is
     /// The pose that is shown: the document's, or where effects have taken it, or that of a take. Empty: at rest.
     const Pose& shownPose();
+    /// The same of the character as it is, which there must be.
+    [[nodiscard]] const Pose& presentPose() const;
+    /// Character::shape() of the character as it is.
+    void shape(double* numbers) const { character_->shape(numbers); }
     /// Where an endpoint is shown, m. Errors: those of built().
     Result<Vec3> positionOf(const EndpointRef& end);
     /// Render vertices of a character as they are shown, in the order of its file, double precision, m.
@@ -89,8 +110,23 @@ public:
     void stepFrame(double seconds);
     /// Something goes on by itself: frames must be stepped to see it.
     bool moving();
+    /// The same of the character as it is, which there must be; or its pose still comes nearer to what is held, or it is recorded.
+    [[nodiscard]] bool inMotion() const;
+
+    // ---- time on another thread: see Performer
+    /// Until endPerforming(), advance() and what is const here are for any one thread, and the rest is for nobody: time passes in a copy of the document. built() was asked before.
+    void beginPerforming();
+    /// stepFrame() of the character as it is. It does not build and does not throw; where memory runs out, a recording ends.
+    void advance(double seconds) noexcept;
+    /// Flesh of two elements has met since beginPerforming().
+    [[nodiscard]] bool hasMet() const { return met_; }
+    /// The document of the history becomes what the copy is, without a step.
+    void endPerforming() noexcept;
     /// Milliseconds that an effect took in the last frame; none: the frame did without it.
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
+    [[nodiscard]] const std::array<double, kEffects>& effectTimes() const { return effectMs_; }  ///< ms, by effect; negative: none
+    /// Of the last frame; none without a character.
+    [[nodiscard]] std::optional<StageTimes> stages() const { return character_ ? std::optional(stageTimes(*character_)) : std::nullopt; }
     /// Of FrameWarning: what the last frame has to say.
     [[nodiscard]] unsigned warnings() const;
     /// The last frame was longer than bone dynamics can follow.
@@ -152,6 +188,12 @@ private:
         Effects effects;
         std::shared_ptr<const CharacterPlan> plan;
     };
+    /// The document, for what passes with time.
+    Document& passing() { return performed_ ? *performed_ : history_.passing(); }
+    /// See stepFrame(). Throws std::bad_alloc.
+    void stepOn(double seconds);
+    /// Of bones, effects and glides.
+    [[nodiscard]] bool swings() const;
     /// The pose of the document, rest where that is empty.
     [[nodiscard]] Pose posed() const;
     /// The same, which is then in the document.
@@ -203,6 +245,13 @@ private:
     std::vector<IkGoal> convergedGoals_;     // while poseConverged_: the pose is the last word of inverse kinematics on these
     bool poseConverged_ = false;
     bool awake_ = false;                 // poses or targets changed since everything came to rest
+    bool approaching_ = false;           // the pose came nearer to what is held in the last frame, or that was not tried yet
+    std::vector<Vec3> pointsBefore_;     // of the pose, m: room of stepOn()
+    std::optional<Document> performed_;  // as time passes on another thread
+    std::vector<double> performedFrames_;  // s each, that have passed there
+    bool met_ = false;
+    bool leavesVertices_ = false;
+    std::uint64_t builds_ = 0, tunes_ = 0, shows_ = 0;
     std::array<double, kEffects> effectMs_;  // of the last frame; negative: it had no such effect
     std::map<PartId, Points> positions_;     // see showPositions()
     std::optional<Recording> recording_;

@@ -144,6 +144,7 @@ Result<bool> LiveCharacter::showTake(const Take& take, double time) {
     if (!fits(take)) {
         character_->stop();
         character_->update(*shownTake_);
+        ++shows_;
         return false;
     }
     std::vector<double> numbers(take.shapes.width());
@@ -155,6 +156,7 @@ Result<bool> LiveCharacter::showTake(const Take& take, double time) {
         character_->between(from.data(), to.data(), moment.part, numbers.data());
     }
     character_->show(numbers.data());
+    ++shows_;
     return true;
 }
 

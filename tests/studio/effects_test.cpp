@@ -130,7 +130,7 @@ TEST_CASE("effects: with bone dynamics the body goes on by itself after the drag
     CHECK(stays([&] { return steps.isEmpty(); }));
 }
 
-TEST_CASE("effects: nothing is stepped while the start page hides the view, and it goes on afterwards") {
+TEST_CASE("effects: what moves goes on moving while the start page hides the view") {
     Effective w;
     w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
     w.drag(w.lastEnd(), {0, -90});
@@ -138,10 +138,8 @@ TEST_CASE("effects: nothing is stepped while the start page hides the view, and 
     w.window().showStart(true);
     w.settle();
     QSignalSpy steps(&w.document(), &StudioDocument::frameStepped);
-    CHECK(stays([&] { return steps.isEmpty(); }));
-    REQUIRE(w.document().session().moving());
+    waitFor([&] { return steps.size() > 10; });
     w.window().showStart(false);
-    waitFor([&] { return !steps.isEmpty(); });
 }
 
 TEST_CASE("effects: an effect is turned on for one element where that is selected, and the panel says on how many it works") {

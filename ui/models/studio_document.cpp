@@ -25,6 +25,9 @@ bool changesMore(const CommandRegistry& registry, const Json& command) {
     return known && ((known->changesDocument() && !known->pose) || known->name == "undo" || known->name == "redo");
 }
 
+/// Steps of a performance per second.
+constexpr double kHertz = 60.0;
+
 void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
 
 }  // namespace
@@ -60,6 +63,7 @@ void StudioDocument::tell(const Session::Change& change) {
     if (all || change.pose) Q_EMIT poseChanged();
     if (all || change.responses) Q_EMIT responsesChanged();
     if (all || change.file) Q_EMIT fileChanged();
+    if (performing_) askForFrame();  // what moves now is stepped, whoever looks
 }
 
 bool StudioDocument::exists(const SelectionItem& item) const {
@@ -100,11 +104,33 @@ Result<Json> StudioDocument::executePrepared(const Json& command, std::shared_pt
 
 Project StudioDocument::project() { return session_.project(); }
 
+void StudioDocument::perform() {
+    performing_ = true;
+    session_.perform(kHertz, [this] { askForFrame(); });
+    askForFrame();
+}
+
+// One event at a time, however fast steps follow each other.
+void StudioDocument::askForFrame() {
+    if (!frameAsked_.exchange(true)) QMetaObject::invokeMethod(this, &StudioDocument::takeFrame, Qt::QueuedConnection);
+}
+
+void StudioDocument::takeFrame() {
+    frameAsked_ = false;
+    attempt([this] {
+        if (session_.takeFrame()) measure(session_.performed()->milliseconds);
+    });
+}
+
 void StudioDocument::stepFrame(double seconds) {
     QElapsedTimer work;
     work.start();
     session_.stepFrame(seconds);
-    smooth(frameMs_, double(work.nsecsElapsed()) * 1e-6);
+    measure(double(work.nsecsElapsed()) * 1e-6);
+}
+
+void StudioDocument::measure(double milliseconds) {
+    smooth(frameMs_, milliseconds);
     for (std::size_t k = 0; k < kEffects; ++k)
         if (const auto ms = session_.effectMilliseconds(EffectKind(k))) smooth(effectMs_[k], *ms);
     Q_EMIT frameStepped();

@@ -4,6 +4,7 @@
 #include <QObject>
 #include <QString>
 #include <array>
+#include <atomic>
 #include <map>
 #include <memory>
 #include <optional>
@@ -52,7 +53,9 @@ public:
     /// Several commands are becoming one step (see Gesture): whatever makes another waits.
     [[nodiscard]] bool inGesture() const { return gestures_ > 0; }
 
-    /// One frame of what goes on by itself: steps the session by `seconds` and measures it.
+    /// From now on what moves by itself is stepped on a thread of its own (Session::perform()), and frameStepped() tells of it.
+    void perform();
+    /// One frame more: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.
     /// None: not measured since it was turned on.
@@ -90,7 +93,7 @@ Q_SIGNALS:
     void fileChanged();        ///< path or saved state
     void selectionChanged();
     void hoverChanged();
-    void frameStepped();       ///< stepFrame() is done
+    void frameStepped();       ///< a frame was stepped, and is what is seen
     /// Something that was tried needs this command first, or an array of them; it is worth one click.
     void offered(const QString& text, const QString& label, const imomushi::Json& command);
     void madeCut(const QString& message);  ///< a tool cut an element; bones are what comes next
@@ -100,7 +103,13 @@ private:
     friend class Gesture;
     [[nodiscard]] bool exists(const SelectionItem& item) const;
     void tell(const Session::Change& change);
+    /// Takes the latest frame, in a moment.
+    void askForFrame();
+    void takeFrame();
+    void measure(double milliseconds);
 
+    std::atomic<bool> frameAsked_{false};
+    bool performing_ = false;
     Session session_;
     int gestures_ = 0;
     std::array<double, kEffects> effectMs_;  ///< negative: none

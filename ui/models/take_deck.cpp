@@ -21,9 +21,7 @@ TakeDeck::TakeDeck(StudioDocument& document, QObject* parent) : QObject(parent),
     connect(&document, &StudioDocument::frameStepped, this, [this] {
         const auto recording = document_.session().recording();
         if (!recording_ || !recording) return follow();
-        // A recording whose character changed takes no more frames.
-        if (recording->frames == recorded_) return stopRecording();
-        recorded_ = recording->frames;
+        if (recording->ended) return stopRecording();
         Q_EMIT changed();
     });
     count_.setInterval(1000);
@@ -222,7 +220,6 @@ void TakeDeck::beginRecording() {
     acting_ = false;
     shown_ = document_.session().showsTake();
     recording_ = started.has_value();
-    recorded_ = recording_ ? 1 : 0;
     Q_EMIT changed();
 }
 

@@ -83,7 +83,6 @@ private:
     bool countsIn_ = false;
     bool shown_ = false, exact_ = true, playing_ = false, looping_ = false, recording_ = false;
     bool acting_ = false;           ///< what the document says now was done here
-    std::size_t recorded_ = 0;      ///< frames
 };
 
 }  // namespace imomushi

@@ -32,7 +32,7 @@ constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that i
 }  // namespace
 
 ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
-    : QWidget(parent), document_(document), tools_(document), clock_(document, camera_, meter_) {
+    : QWidget(parent), document_(document), tools_(document), clock_(camera_, meter_) {
     setMouseTracking(true);
     setFocusPolicy(Qt::StrongFocus);
     setAccessibleName(tr("3D view"));
@@ -44,12 +44,15 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
         updateHint();
     });
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
-    connect(&clock_, &FrameClock::aboutToStep, this, &ViewportWidget::giveMove);
+    connect(&document_, &StudioDocument::frameStepped, this, [this] {
+        if (const auto frame = document_.session().performed()) meter_.addWork(frame->milliseconds);
+        redraw();
+    });
     nextMove_.setSingleShot(true);
     nextMove_.setTimerType(Qt::PreciseTimer);
     connect(&nextMove_, &QTimer::timeout, this, &ViewportWidget::giveMove);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
-    connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::poseChanged);
+    connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::animate);
     connect(&document_, &StudioDocument::responsesArriving, this, [this] {
         if (canvas_ && isVisible()) fade_ = shapeKept();
     });
@@ -225,14 +228,9 @@ void ViewportWidget::structureChanged() {
     preparePicking(document_.document());
     if (!document_.document().elements.contains(highlightedElement_)) setHighlightedTriangles(0, {});
     if (marked_ && !document_.document().characters.contains(marked_->character)) setMarked(std::nullopt);
-    poseChanged();
+    animate();
     updateHint();
     tools_.leaveIfOver();
-}
-
-void ViewportWidget::poseChanged() {
-    clock_.poseChanged();
-    animate();
 }
 
 void ViewportWidget::follow(TakeDeck& deck) {
@@ -360,7 +358,7 @@ void ViewportWidget::paint() {
     scene_.darkTheme = dark();
     scene_.pixelRatio = float(devicePixelRatioF() * Appearance::instance().scale());
     // Frames follow each other while something moves, by itself or by hand.
-    const bool moving = clock_.running() || tools_.tool().busy() || navigator_.active() || fade_.active();
+    const bool moving = clock_.running() || document_.session().moving() || tools_.tool().busy() || navigator_.active() || fade_.active();
     scene_.smooth = quality_ == PictureQuality::Fine || (!moving && (smooth_ || (quality_ == PictureQuality::Automatic && !renderer.software())));
     scene_.halved = !scene_.smooth && (quality_ == PictureQuality::Fast || (moving && renderer.software()));
     smooth_ = false;

@@ -126,7 +126,6 @@ private:
     [[nodiscard]] SceneOptions sceneOptions() const;
     [[nodiscard]] bool dark() const;
     void structureChanged();
-    void poseChanged();
     void updateHint();
     [[nodiscard]] QString overlapped() const;  ///< the end of a bone that would be taken, where others are too; empty: there is one at most
     void showMessage(const QString& text);

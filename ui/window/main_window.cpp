@@ -78,6 +78,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
     buildStage();
+    document_.perform();
     buildStatusBar();
     docks_ = new StudioDocks(*this, document_, *deck_, *costs_, *actions_);
     connectActions();

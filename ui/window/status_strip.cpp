@@ -7,6 +7,7 @@
 #include <QLocale>
 #include <QToolButton>
 
+#include "core/live/live_character.h"
 #include "ui/models/body_texts.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"
@@ -65,12 +66,11 @@ void StatusStrip::setFrame(double cpuMs, double fps) {
     lastMs_ = cpuMs;
     lastFps_ = fps;
     showFrame();
-    if (const Character* character = document_.session().character()) {
-        const auto& s = character->stats();
+    if (const auto s = document_.session().stages()) {
         const QLocale locale;
         const auto ms = [&](double value) { return locale.toString(value, 'f', 3); };
         ms_->setToolTip(tr("Processor time of one frame, with drawing.\nOf that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
-                            .arg(ms(s.poseMs), ms(s.jointsMs), ms(s.productMs), ms(s.normalsMs)));
+                            .arg(ms(s->pose), ms(s->joints + s->equilibrium), ms(s->product), ms(s->normals)));
     }
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "core/effects/smooth_joints_job.h"
+#include "core/live/live_character.h"
 #include "ui/models/effect_texts.h"
 #include "ui/widgets/appearance.h"
 
@@ -42,11 +43,9 @@ FrameCostMeter::FrameCostMeter(StudioDocument& document, QObject* parent) : QObj
 void FrameCostMeter::take(double cpuMs, double, int, double uploadMs) {
     const Character* character = document_.session().character();
     if (!character) return;
-    const auto& s = character->stats();
-    const double equilibriumMs = s.effectMs(SmoothJointsEffect::kName);
-    std::array<double, Stages> now = {s.poseMs, s.jointsMs - equilibriumMs, character->input().effects.has<SmoothJointsEffect>() ? equilibriumMs : -1.0,
-                                      s.productMs, s.normalsMs, uploadMs, 0.0};
-    now[Drawing] = std::max(0.0, cpuMs - s.poseMs - s.jointsMs - s.productMs - s.normalsMs - uploadMs);
+    const StageTimes s = *document_.session().stages();
+    std::array<double, Stages> now = {s.pose, s.joints, character->input().effects.has<SmoothJointsEffect>() ? s.equilibrium : -1.0, s.product, s.normals, uploadMs, 0.0};
+    now[Drawing] = std::max(0.0, cpuMs - s.pose - s.joints - s.equilibrium - s.product - s.normals - uploadMs);
     for (int i = 0; i < Stages; ++i) {
         double& mean = ms_[std::size_t(i)];
         const double value = now[std::size_t(i)];

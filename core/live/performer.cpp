@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/live/performer.h"
+
+#include <chrono>
+#include <new>
+
+namespace imomushi {
+
+Performer::Performer(LiveCharacter& live, double hertz, std::function<void()> stepped)
+    : live_(live), stepped_(std::move(stepped)), thread_(hertz, [this](double seconds) { return step(seconds); }) {
+    live_.leaveVerticesToOthers(true);
+}
+
+Performer::~Performer() {
+    thread_.park();
+    if (running_) live_.endPerforming();
+    live_.leaveVerticesToOthers(false);
+}
+
+// On the thread.
+bool Performer::step(double seconds) {
+    const auto start = std::chrono::steady_clock::now();
+    live_.advance(seconds);
+    ++steps_;
+    PerformedFrame& frame = frames_.back();
+    fill(frame);
+    frame.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const bool more = !frame.resting;
+    frames_.publish();
+    stepped_();
+    return more;
+}
+
+void Performer::fill(PerformedFrame& frame) const {
+    frame.step = steps_;
+    live_.shape(frame.shape.data());
+    frame.pose = live_.presentPose();
+    frame.effectMs = live_.effectTimes();
+    frame.milliseconds = 0.0;
+    frame.stages = *live_.stages();
+    frame.warnings = live_.warnings();
+    frame.resting = !live_.inMotion();
+    frame.met = live_.hasMet();
+    const auto& recording = live_.recording();
+    frame.recorded = recording ? recording->take.times.size() : 0;
+    frame.recordedSeconds = recording ? recording->take.duration() : 0.0;
+    frame.recordingEnded = recording && !recording->going;
+}
+
+void Performer::park() {
+    if (parked_++ > 0 || !running_) return;
+    thread_.park();
+    running_ = false;
+    live_.endPerforming();
+}
+
+void Performer::resume() noexcept {
+    if (--parked_ > 0) return;
+    // What must be built first is built when somebody asks, not after each of many commands.
+    waiting_ = live_.outOfDate();
+    if (!waiting_) start();
+}
+
+void Performer::start() noexcept {
+    waiting_ = false;
+    try {
+        const auto built = live_.built();
+        if (!built || !*built || !live_.inMotion()) return;
+        follow(*built);
+        if (!shown_) return;
+        for (PerformedFrame& frame : frames_.slots()) {
+            frame.shape.resize(numbers_.size());
+            fill(frame);
+        }
+        (void)frames_.take();  // what was stepped before is older than what is there
+        drawn_ = shownAs_ == live_.shows();
+        recording_ = live_.recording() ? std::optional(live_.recording()->take.name) : std::nullopt;
+        live_.beginPerforming();
+        running_ = true;
+        thread_.run();
+    } catch (const std::bad_alloc&) {
+        live_.drop();  // it stands still until the next command, which says that there is no memory
+    }
+}
+
+bool Performer::take() {
+    if (!running_ || !frames_.take()) return false;
+    drawn_ = false;
+    return true;
+}
+
+void Performer::refresh() {
+    if (parked_ > 0 || !(running_ ? live_.outOfDate() : waiting_)) return;
+    park();
+    --parked_;
+    start();
+}
+
+StageTimes Performer::stages() const {
+    StageTimes times = running_ ? frame().stages : live_.stages().value_or(StageTimes{});
+    if (!shown_) return times;
+    // Of the other one, vertices count alone: it is told how they are joined.
+    const StageTimes seen = stageTimes(*shown_);
+    times.product += seen.product;
+    times.normals += seen.normals;
+    return times;
+}
+
+void Performer::follow(Character* built) {
+    if (builtAs_ != live_.builds() || !shown_) {
+        auto made = Character::build(built->input(), built);
+        shown_.reset();
+        if (!made) return;  // what could be built once can be built again
+        shown_ = std::move(*made);
+        numbers_.resize(static_cast<std::size_t>(shown_->shapeLayout().size()));
+        builtAs_ = live_.builds();
+        tunedAs_ = 0;
+        shownAs_ = 0;
+        drawn_ = false;
+    }
+    if (tunedAs_ != live_.tunes()) {
+        shown_->tune(live_.effects());
+        tunedAs_ = live_.tunes();
+        shownAs_ = 0;
+    }
+}
+
+Character* Performer::character() {
+    refresh();
+    if (running_) {
+        if (!drawn_) shown_->show(frame().shape.data());
+        drawn_ = true;
+        shownAs_ = 0;
+        return &*shown_;
+    }
+    const auto built = live_.built();
+    if (!built || !*built) {
+        shown_.reset();
+        return nullptr;
+    }
+    follow(*built);
+    if (shown_ && shownAs_ != live_.shows()) {
+        live_.shape(numbers_.data());
+        shown_->show(numbers_.data());
+        shownAs_ = live_.shows();
+        drawn_ = false;
+    }
+    return shown_ ? &*shown_ : nullptr;
+}
+
+}  // namespace imomushi

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/triple_buffer.h"
+#include "core/live/live_character.h"
+#include "core/live/step_thread.h"
+
+namespace imomushi {
+
+/// What a step of a performance shows: the numbers that a take keeps, and what the step has to say. Nobody changes it once it is published.
+struct PerformedFrame {
+    std::uint64_t step = 0;      ///< how many were made
+    std::vector<double> shape;   ///< Character::shape()
+    Pose pose;                   ///< LiveCharacter::shownPose()
+    std::array<double, kEffects> effectMs{};  ///< negative: it had no such effect
+    double milliseconds = 0.0;   ///< wall time of the step
+    StageTimes stages;
+    unsigned warnings = 0;       ///< of FrameWarning
+    bool resting = false;        ///< no step follows
+    bool met = false;            ///< flesh of two elements met, and lacks its patches (the effect "contact")
+    std::size_t recorded = 0;    ///< frames of the take that is being recorded
+    double recordedSeconds = 0.0;
+    bool recordingEnded = false; ///< that take gets no more frames
+};
+
+/// Steps a live character on a thread of its own, at a fixed rate and only while something moves, and shows its frames to everybody else by a second character that
+/// shares its tables. Whoever wants to change the live character, or its document, parks the performer first. All functions are for one thread, that of the window.
+class Performer {
+public:
+    /// `live` must outlive it. `stepped` is called on the thread after each step, must return at once and not throw.
+    Performer(LiveCharacter& live, double hertz, std::function<void()> stepped);
+    ~Performer();
+    Performer(const Performer&) = delete;
+    Performer& operator=(const Performer&) = delete;
+
+    /// The live character and its document are the caller's until resume(): waits for one step at most. Calls may be nested.
+    void park();
+    /// Steps go on where something moves; where the character is out of date, with the next question.
+    void resume() noexcept;
+    /// The live character is away on the thread: only frames may be asked.
+    [[nodiscard]] bool running() const { return running_; }
+    [[nodiscard]] double leftOut() const { return thread_.leftOut(); }  ///< s, see StepThread
+
+    /// From now on frame() and character() show the step that was made last. False: they did already.
+    bool take();
+    /// What was shown when take() or resume() was called last, while running().
+    [[nodiscard]] const PerformedFrame& frame() const { return frames_.front(); }
+    /// The take that is being recorded; none: nothing is.
+    [[nodiscard]] const std::optional<std::string>& recording() const { return recording_; }
+    /// Another character that shows what the live one shows. Null: there is none, or it cannot be built.
+    Character* character();
+    /// Of the last frame, in both characters.
+    [[nodiscard]] StageTimes stages() const;
+    /// Builds the live character where it is out of date, and steps it where it moves.
+    void refresh();
+
+private:
+    void start() noexcept;
+    bool step(double seconds);
+    void fill(PerformedFrame& frame) const;
+    /// shown_ is a copy of the character that the live one has built.
+    void follow(Character* built);
+
+    LiveCharacter& live_;
+    const std::function<void()> stepped_;
+    TripleBuffer<PerformedFrame> frames_;
+    std::optional<Character> shown_;
+    std::vector<double> numbers_;   // of shown_
+    std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has
+    std::uint64_t shownAs_ = 0;     // and shows(); 0: numbers of a frame
+    bool drawn_ = false;            // shown_ shows frame()
+    std::optional<std::string> recording_;
+    int parked_ = 0;
+    bool running_ = false;
+    bool waiting_ = false;          // to be started when somebody asks
+    std::uint64_t steps_ = 0;       // of the thread
+    StepThread thread_;             // last: it ends first
+};
+
+/// Parks a performer for as long as this lives. Null: there is none, and nothing to do.
+class ParkedPerformer {
+public:
+    explicit ParkedPerformer(Performer* performer) : performer_(performer) {
+        if (performer_) performer_->park();
+    }
+    ~ParkedPerformer() {
+        if (performer_) performer_->resume();
+    }
+    ParkedPerformer(const ParkedPerformer&) = delete;
+    ParkedPerformer& operator=(const ParkedPerformer&) = delete;
+
+private:
+    Performer* performer_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "core/document/take.h"
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr double kHertz = 60.0;
+
+/// Two bars whose bones swing when they are pulled.
+struct Swinging {
+    Workbench w;
+    std::atomic<int> steps{0};
+
+    explicit Swinging(bool performing = true) {
+        w.buildChain();
+        w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+        w.good({{"do", "precompute"}});
+        w.good({{"do", "enable"}, {"effect", "bone-dynamics"}});
+        if (performing) perform();
+    }
+    void perform() {
+        w.session.perform(kHertz, [this] { ++steps; });
+    }
+    Json end() const { return "b/end"; }
+    void pull(const Vec3& to) { w.good({{"do", "drag"}, {"endpoint", end()}, {"to", {to.x(), to.y(), to.z()}}}); }
+    Vec3 at() {
+        const Json value = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end()}})["value"];
+        return Vec3(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
+    }
+    /// The window looks 200 times a second until all has come to rest. False: not within `most`.
+    bool untilAtRest(std::chrono::seconds most = 60s) {
+        const auto start = std::chrono::steady_clock::now();
+        while (w.session.moving()) {
+            if (std::chrono::steady_clock::now() - start > most) return false;
+            w.session.takeFrame();
+            std::this_thread::sleep_for(5ms);
+        }
+        return true;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("performer: what swings comes to the same rest as by steps that somebody makes, and then no step is made") {
+    Swinging alone, stepped(false);
+    const Vec3 to = alone.at() + Vec3(0.4, 0.3, 0.0);
+    alone.pull(to);
+    stepped.pull(to);
+    REQUIRE(alone.w.session.moving());
+    REQUIRE(alone.untilAtRest());
+    const int made = alone.steps;
+    CHECK(made > 10);
+    while (stepped.w.session.moving()) stepped.w.session.stepFrame(1.0 / kHertz);
+    CHECK((alone.at() - stepped.at()).norm() <= 1e-6 * to.norm());
+    std::this_thread::sleep_for(300ms);
+    CHECK(alone.steps == made);
+    // Everything that is asked of it afterwards is as if steps had been made here.
+    CHECK((alone.w.session.positionsOf(1) - stepped.w.session.positionsOf(1)).cwiseAbs().maxCoeff() <= 1e-5);
+}
+
+TEST_CASE("performer: steps are made in time while the window is blocked, and the recorded take is whole") {
+    Swinging s;
+    s.w.good({{"do", "record"}, {"take", "blocked"}, {"action", "start"}});
+    s.pull(s.at() + Vec3(0.4, 0.3, 0.0));
+    const int before = s.steps;
+    const auto start = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(2s);
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const int made = s.steps - before;
+    const double leftOut = s.w.session.performed()->leftOut;
+    MESSAGE(made << " steps in " << passed << " s, " << leftOut << " s left out");
+    // What a busy machine leaves out is said; all other steps are made.
+    CHECK(std::abs(made - kHertz * (passed - leftOut)) <= 2.0);
+    const Json taken = s.w.good({{"do", "record"}, {"take", "blocked"}, {"action", "stop"}});
+    const Take& take = *s.w.session.document().takeNamed("blocked");
+    CHECK(static_cast<int>(take.times.size()) >= made);
+    for (std::size_t f = 1; f < take.times.size(); ++f)
+        CHECK(take.times[f] - take.times[f - 1] == doctest::Approx(1.0 / kHertz).epsilon(1e-9));
+}
+
+TEST_CASE("performer: answers between two frames that were taken are of one frame") {
+    Swinging s;
+    s.pull(s.at() + Vec3(0.4, 0.3, 0.0));
+    for (int look = 0; look < 50 && s.w.session.moving(); ++look) {
+        s.w.session.takeFrame();
+        const Vec3 end = s.w.session.shownPose().points.back();
+        const auto vertices = s.w.session.character()->surface(0);
+        const std::vector<float> first(vertices.positions, vertices.positions + 3 * vertices.vertices);
+        std::this_thread::sleep_for(20ms);  // steps go on
+        CHECK(s.w.session.shownPose().points.back() == end);
+        const auto again = s.w.session.character()->surface(0);
+        CHECK(std::equal(first.begin(), first.end(), again.positions));
+    }
+}
+
+TEST_CASE("performer: commands, undo and gestures find the document as it is performed, and leave it whole") {
+    Swinging s;
+    const Vec3 rest = s.at();
+    s.w.session.beginGesture();
+    for (int i = 1; i <= 20; ++i) {
+        s.pull(rest + 0.02 * i * Vec3(1.0, 0.5, 0.0));
+        std::this_thread::sleep_for(16ms);
+        s.w.session.takeFrame();
+    }
+    s.w.session.endGesture();
+    CHECK(s.steps > 5);
+    CHECK(s.w.session.steps().back().name == "drag");
+    const Vec3 pulled = s.at();
+    CHECK((pulled - rest).norm() > 0.05);
+    s.w.good({{"do", "undo"}});
+    REQUIRE(s.untilAtRest());
+    CHECK((s.at() - rest).norm() <= 1e-6);
+    s.w.good({{"do", "redo"}});
+    CHECK(s.w.session.document().goals.size() == 2);
+}
+
+TEST_CASE("performer: what is recorded alone is replayed to the same bytes by the script that it left") {
+    Swinging s;
+    s.w.good({{"do", "record"}, {"take", "one"}, {"action", "start"}});
+    const Vec3 rest = s.at();
+    for (int i = 1; i <= 10; ++i) {
+        s.pull(rest + 0.04 * i * Vec3(1.0, 0.5, 0.0));
+        std::this_thread::sleep_for(20ms);
+    }
+    s.w.good({{"do", "record"}, {"take", "one"}, {"action", "stop"}});
+    Workbench again;
+    for (const Json& line : s.w.session.script()) again.good(line);
+    const Take& first = *s.w.session.document().takeNamed("one");
+    const Take& second = *again.session.document().takeNamed("one");
+    REQUIRE(first.times == second.times);
+    std::vector<double> a(first.shapes.width()), b(second.shapes.width());
+    REQUIRE(a.size() == b.size());
+    for (std::size_t f = 0; f < first.times.size(); ++f) {
+        first.shapes.at(f, a.data());
+        second.shapes.at(f, b.data());
+        CHECK(a == b);
+    }
+}
