@@ -4457,6 +4457,17 @@
     <context>
         <name>imomushi::StatusStrip</name>
         <message>
+            <source>%1 · slowed to %2 %</source>
+            <comment>frames per second, share of real time</comment>
+            <translation>%1 · 実時間の %2 %</translation>
+        </message>
+        <message>
+            <source>A step takes longer than its time: time in the performance passes more slowly. Takes keep their times.
+Turn effects off or make bodies simpler to have it in real time.</source>
+            <translation>1 ステップの計算がその時間より長くかかるため、演技の時間がゆっくり進んでいます。テイクの時刻は変わりません。
+実時間に戻すには、エフェクトをオフにするか、ボディを簡単にしてください。</translation>
+        </message>
+        <message>
             <source>%1 vertices</source>
             <translation>頂点 %1</translation>
         </message>

@@ -11,6 +11,7 @@
 #include "core/commands/handle_commands.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/live/live_input.h"
 #include "core/touch/touch_contact.h"
 
 namespace imomushi {
@@ -257,6 +258,54 @@ bool isFinite(const Character& character, const Pose& pose, std::size_t elements
     return true;
 }
 
+/// What a hand or a device gives before a frame.
+struct StepInput {
+    int frame = 0;
+    LiveInput input;
+};
+
+/// "inputs" of the command "step", in the order of their frames. Errors: "bad-type", "bad-value", "unknown-key", "not-held", and those of names.
+Result<std::vector<StepInput>> stepInputs(const Json& list, int frames, const Document& document, const CharacterPlan& plan) {
+    std::vector<StepInput> inputs;
+    for (const Json& given : list) {
+        if (!given.is_object()) return fail("bad-type", "An input is an object: {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}.");
+        StepInput made;
+        for (const auto& [key, value] : given.items())
+            if (key != "frame" && key != "endpoint" && key != "to" && key != "roll" && key != "rotation") return fail("unknown-key", "An input has no \"" + key + "\".");
+        if (!given.contains("frame") || !given.contains("endpoint") || !given.contains("to") || !given["endpoint"].is_string())
+            return fail("bad-type", "An input needs \"frame\", \"endpoint\" and \"to\".");
+        IMOMUSHI_TRY(const auto frame, numberWithin(given["frame"], "frame", 0, frames - 1));
+        made.frame = static_cast<int>(frame);
+        if (!inputs.empty() && made.frame < inputs.back().frame) return fail("bad-value", "Inputs come in the order of their frames.");
+        const auto to = vector3(given["to"]);
+        if (!to) return fail("bad-type", "\"to\" of an input must be three numbers [x,y,z].");
+        made.input.target = *to;
+        const std::string name = given["endpoint"].get<std::string>();
+        if (const auto handle = document.handle(name)) {
+            if (given.contains("roll")) return fail("unknown-key", "\"roll\" goes with ends of bones; a handle is turned by \"rotation\".");
+            made.input.handle = plan.handleIndex(*handle);
+            const auto held = document.handleGoals.find(*handle);
+            if (held == document.handleGoals.end() || !held->second.target.held) return fail("not-held", "The handle \"" + name + "\" is not held: drag it before an input moves it.");
+            made.input.rotation = held->second.target.rotation;
+            if (given.contains("rotation")) {
+                IMOMUSHI_TRY(made.input.rotation, rotationFrom(given["rotation"], "rotation"));
+            }
+        } else {
+            if (given.contains("rotation")) return fail("unknown-key", "\"rotation\" goes with handles; the end of a bone is turned by \"roll\".");
+            IMOMUSHI_TRY(made.input.end, document.endpoint(name));
+            const int point = plan.pointIndex(made.input.end);
+            if (std::none_of(document.goals.begin(), document.goals.end(), [&](const auto& held) { return plan.pointIndex(held.first) == point; }))
+                return fail("not-held", "The endpoint \"" + name + "\" is not held: drag it before an input moves it.");
+            std::optional<double> roll;
+            if (auto ok = readNumber(given, "roll", -kLargestRoll, kLargestRoll, roll); !ok) return tl::unexpected(ok.error());
+            made.input.hasRoll = roll.has_value();
+            made.input.roll = roll.value_or(0.0);
+        }
+        inputs.push_back(made);
+    }
+    return inputs;
+}
+
 Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
     LiveCharacter& live = access.live;
     const Document& document = access.document();
@@ -274,6 +323,11 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
         }
     }
     IMOMUSHI_TRY(const auto alive, live.built());
+    std::vector<StepInput> inputs;
+    if (const Json* given = find(arguments, "inputs")) {
+        IMOMUSHI_TRY(inputs, stepInputs(*given, count, document, live.plan()));
+    }
+    auto input = inputs.begin();
     std::vector<double> total, pose, joints, product, normals;
     std::array<std::vector<double>, kEffects> effects;
     unsigned warnings = 0;
@@ -284,6 +338,7 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
     std::set<PartId> known = document.effects[EffectKind::Contact].elements;
     for (int frame = 0; frame < count; ++frame) {
         if (progress.cancelled()) return fail(kCancelled, "Stepping was cancelled.");
+        for (; input != inputs.end() && input->frame == frame; ++input) (void)live.apply(input->input);
         const auto start = std::chrono::steady_clock::now();
         live.stepFrame(times[times.size() > 1 ? static_cast<std::size_t>(frame) : 0]);
         total.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
@@ -362,7 +417,8 @@ void addPoseCommands(CommandRegistry& registry) {
     registry.addChange("rest", "The rest pose: all dragged endpoints and handles released, pins back at rest, parts not turned, all velocities zero.", {}, rest, showRest);
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",
-                       {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."}},
+                       {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."},
+                        {"inputs", Type::Array, false, "Where what is held already goes before a frame, as a hand or a device gave it: objects {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}, for an endpoint with \"roll\", for a handle with \"rotation\", frames from 0 and ascending."}},
                        step);
 }
 

@@ -61,6 +61,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     if (!what) return fail("unknown-command", "There is no command \"" + name->get<std::string>() + "\"; \"imomushi run --help\" lists all.");
     if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
     const ParkedPerformer parked(performer_.get());
+    if (performer_ && what->changesDocument()) performer_->dropInputs();
     if (prepared_ && prepared_->command == command && prepared_->fits(document())) return takeOver(*prepared_);
 
     // Frames that follow each other are one line of the script.
@@ -220,6 +221,7 @@ Document Session::dropGesture() noexcept {
 void Session::cancelGesture() noexcept {
     if (!history_.inGesture()) return;
     const ParkedPerformer parked(performer_.get());
+    if (performer_) performer_->dropInputs();
     const Document left = dropGesture();
     Change change = changeSince(left);
     change.history = true;
@@ -306,11 +308,10 @@ void Session::stepFrame(double seconds) {
     const ParkedPerformer parked(performer_.get());
     const std::size_t before = document().effects[EffectKind::Contact].elements.size();
     live_->stepFrame(seconds);
-    tellOfMeetings(before);
+    if (document().effects[EffectKind::Contact].elements.size() != before) tellOfMeetings();
 }
 
-void Session::tellOfMeetings(std::size_t before) {
-    if (document().effects[EffectKind::Contact].elements.size() == before) return;
+void Session::tellOfMeetings() {
     // What met lacks its patches now: who listens shows it so.
     Change change;
     change.document.effects = document().effects;
@@ -320,17 +321,16 @@ void Session::tellOfMeetings(std::size_t before) {
 
 void Session::perform(double hertz, std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, hertz, std::move(stepped)); }
 
+bool Session::give(const LiveInput& input) { return performer_ && performer_->give(input); }
+
 bool Session::takeFrame() {
     if (!performer_) return false;
     performer_->refresh();
-    if (!performer_->take()) return false;
-    const PerformedFrame& frame = performer_->frame();
-    if (!frame.resting && !frame.met) return true;
+    const bool stepped = performer_->take();
     // The document becomes what was performed.
-    const std::size_t before = document().effects[EffectKind::Contact].elements.size();
-    const ParkedPerformer parked(performer_.get());
-    tellOfMeetings(before);
-    return true;
+    if (stepped && performer_->running() && (performer_->frame().resting || performer_->frame().met)) const ParkedPerformer parked(performer_.get());
+    if (performer_->takeMeeting()) tellOfMeetings();
+    return stepped;
 }
 
 std::optional<Session::Performed> Session::performed() const {
@@ -385,6 +385,7 @@ Project Session::project() {
 SessionAccess::SessionAccess(Session& owner) : session(owner), live(*owner.live_), responses(owner.responses_), services(owner.services_) {}
 
 Result<bool> SessionAccess::undo(int count) {
+    if (session.performer_) session.performer_->dropInputs();
     if (session.history_.inGesture()) {
         session.dropGesture();
         session.historyMoved_ = session.pendingChange_.pose = true;

@@ -23,6 +23,7 @@ namespace imomushi {
 struct BuiltCharacter;
 class LiveCharacter;
 class Performer;
+struct LiveInput;
 struct StageTimes;
 struct CharacterPlan;
 struct PoseFinding;
@@ -109,7 +110,9 @@ public:
     /// From now on a thread of its own steps frames, `hertz` times a second, while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
     /// `stepped` is called on that thread after each step, and must return at once: takeFrame() then belongs on this one.
     void perform(double hertz, std::function<void()> stepped);
-    /// Questions are answered from the frame that was stepped last, from now on. False: they were already.
+    /// A target for the next step, of what is held already (LiveInput). False: frames are not stepped on a thread of their own, or it has no room: a command does it then.
+    bool give(const LiveInput& input);
+    /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
     bool takeFrame();
     /// The last frame that was taken, while frames are stepped on a thread of their own: how many were stepped, and what it took, ms. None: they are not.
     struct Performed {
@@ -164,8 +167,7 @@ private:
     void takeBack(Document&& before) noexcept;
     [[nodiscard]] Change changeSince(const Document& before) const noexcept;
     void tell(const Change& change) noexcept;
-    /// Flesh that met since `before` elements had.
-    void tellOfMeetings(std::size_t before);
+    void tellOfMeetings();  ///< of flesh
     /// The document that was replaced is back.
     void putBack();
     /// Takes back the gesture that goes on. The document as it was with it.

@@ -11,6 +11,8 @@ namespace imomushi {
 
 namespace {
 
+constexpr std::size_t kMostFrames = 10'000;  // that become one line of a script: a few minutes
+
 bool records(const Json& line, const char* action) { return line["do"] == "record" && line["action"] == action; }
 
 /// The lines of a script without frames that no take depends on and without recordings that came to nothing.
@@ -261,27 +263,31 @@ void DocumentHistory::dropLines() {
     if (gesture_) gesture_->lines = {};
 }
 
+void DocumentHistory::forgetScript() noexcept {
+    frames_.clear();
+    inputs_.clear();
+    dropLines();
+}
+
 void DocumentHistory::noteFrame(double seconds) {
-    constexpr std::size_t kMost = 10'000;  // a few minutes
-    if (frames_.size() >= kMost) flushFrames();
+    if (frames_.size() >= kMostFrames) flushFrames();
     frames_.push_back(seconds);
 }
 
-void DocumentHistory::noteFrames(const std::vector<double>& seconds) noexcept {
-    try {
-        for (const double s : seconds) noteFrame(s);
-    } catch (const std::bad_alloc&) {
-        frames_.clear();
-        dropLines();
-    }
+void DocumentHistory::noteInput(Json input) {
+    if (frames_.size() >= kMostFrames) flushFrames();
+    input["frame"] = frames_.size();
+    inputs_.push_back(std::move(input));
 }
 
 void DocumentHistory::flushFrames() {
-    if (frames_.empty()) return;
+    if (frames_.empty()) return inputs_.clear();
     const bool even = std::all_of(frames_.begin(), frames_.end(), [&](double dt) { return dt == frames_[0]; });
-    const Json line{{"do", "step"}, {"frames", frames_.size()}, {"dt", even ? Json(frames_[0]) : Json(frames_)}};
+    Json line{{"do", "step"}, {"frames", frames_.size()}, {"dt", even ? Json(frames_[0]) : Json(frames_)}};
+    if (!inputs_.empty()) line["inputs"] = inputs_;
     note(line);
     frames_.clear();
+    inputs_.clear();
 }
 
 std::vector<Json> DocumentHistory::script() const {

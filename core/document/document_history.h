@@ -72,8 +72,10 @@ public:
     void note(const Json& line);
     /// A frame of `seconds` was stepped: takes depend on frames. Frames become one line when flushFrames() is called.
     void noteFrame(double seconds);
-    /// The same of several; where memory runs out, there is no script (hasScript()).
-    void noteFrames(const std::vector<double>& seconds) noexcept;
+    /// What a hand or a device gave before the frame that is noted next: an input of the command "step", without its frame.
+    void noteInput(Json input);
+    /// There is no script from here on (hasScript()): there was no memory to note what passed.
+    void forgetScript() noexcept;
     void flushFrames();
     /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on. Where there is one: see hasScript().
     [[nodiscard]] std::vector<Json> script() const;
@@ -119,6 +121,7 @@ private:
     int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
     std::optional<Gesture> gesture_;
     std::vector<double> frames_;     // s each, not flushed yet
+    std::vector<Json> inputs_;       // of these
     std::size_t scriptBytes_ = 0;    // of all lines; those that were undone count until other steps replace them
     std::size_t mostScriptBytes_ = kScriptBytes;
     std::optional<int> scriptFrom_ = 0;  // firstLines_ and the lines of entries from here on are the script; none: lines are missing

@@ -6,14 +6,16 @@
 #include <new>
 
 #include "core/base/try.h"
+#include "core/document/command_support.h"
 #include "core/document/effect_meetings.h"
 #include "core/document/morph_weights.h"
+#include "core/document/names.h"
 #include "core/effects/contact_job.h"
-#include "core/live/character_change.h"
-#include "core/touch/touch_contact.h"
-#include "core/effects/touch_job.h"
 #include "core/effects/ground_job.h"
 #include "core/effects/smooth_joints_job.h"
+#include "core/effects/touch_job.h"
+#include "core/live/character_change.h"
+#include "core/touch/touch_contact.h"
 
 namespace imomushi {
 
@@ -409,6 +411,51 @@ bool LiveCharacter::moving() {
     return alive && *alive && swings();
 }
 
+bool LiveCharacter::apply(const LiveInput& input) {
+    Document& document = passing();
+    if (input.handle >= 0) {
+        const auto held = document.handleGoals.find(plan_.handles[static_cast<std::size_t>(input.handle)]);
+        if (held == document.handleGoals.end() || !held->second.target.held) return false;
+        held->second.target.at = input.target;
+        held->second.target.rotation = input.rotation;
+        held->second.elapsed = held->second.seconds;
+    } else {
+        // An end of another bone may be the same point.
+        const int point = plan_.pointIndex(input.end);
+        const auto held = std::find_if(document.goals.begin(), document.goals.end(), [&](const auto& goal) { return plan_.pointIndex(goal.first) == point; });
+        if (point < 0 || held == document.goals.end()) return false;
+        held->second.target = input.target;
+        if (input.hasRoll) held->second.roll = input.roll;
+        held->second.elapsed = held->second.seconds;
+    }
+    wake(true);
+    if (!performed_) {
+        history_.noteInput(lineOf(input));
+        return true;
+    }
+    const std::size_t frame = performedFrames_.size();
+    for (auto known = performedInputs_.rbegin(); known != performedInputs_.rend() && known->frame == frame; ++known)
+        if (known->input.sameTarget(input)) {
+            known->input = input;
+            return true;
+        }
+    performedInputs_.push_back({frame, input});
+    return true;
+}
+
+Json LiveCharacter::lineOf(const LiveInput& input) const {
+    Json line{{"to", json(input.target)}};
+    if (input.handle >= 0) {
+        line["endpoint"] = plan_.handles[static_cast<std::size_t>(input.handle)].face;
+        const Eigen::Vector4d& q = input.rotation.coeffs();
+        line["rotation"] = {q.x(), q.y(), q.z(), q.w()};
+    } else {
+        line["endpoint"] = endpointText(document(), input.end);
+        if (input.hasRoll) line["roll"] = input.roll;
+    }
+    return line;
+}
+
 bool LiveCharacter::inMotion() const {
     return (recording_ && recording_->going) || swings() || (!shownTake_ && approaching_ && !document().goals.empty());
 }
@@ -471,6 +518,7 @@ void LiveCharacter::stepOn(double seconds) {
 
 void LiveCharacter::beginPerforming() {
     performedFrames_.reserve(kFramesOfStretch);
+    performedInputs_.reserve(kFramesOfStretch);
     performed_ = history_.document();
     met_ = false;
 }
@@ -493,8 +541,17 @@ void LiveCharacter::endPerforming() noexcept {
     if (met_) document.effects = std::move(performed_->effects);
     performed_.reset();
     if (met_) valid_ = met_ = false;
-    history_.noteFrames(performedFrames_);
+    try {
+        auto given = performedInputs_.begin();
+        for (std::size_t f = 0; f < performedFrames_.size(); ++f) {
+            for (; given != performedInputs_.end() && given->frame == f; ++given) history_.noteInput(lineOf(given->input));
+            history_.noteFrame(performedFrames_[f]);
+        }
+    } catch (const std::bad_alloc&) {
+        history_.forgetScript();
+    }
     performedFrames_.clear();
+    performedInputs_.clear();
 }
 
 void LiveCharacter::measureEffects() {

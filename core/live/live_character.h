@@ -15,6 +15,7 @@
 #include "core/document/document_history.h"
 #include "core/document/embed_model.h"
 #include "core/document/take.h"
+#include "core/live/live_input.h"
 #include "core/live/performance.h"
 #include "core/project/document_responses.h"
 
@@ -108,6 +109,8 @@ public:
     // ---- time
     /// Advances glides, poses and effects by one frame (s) and updates the character.
     void stepFrame(double seconds);
+    /// Moves the target of something that is held, for the next frame. The script keeps it with that frame. False: it is not held. On any thread that may step.
+    bool apply(const LiveInput& input);
     /// Something goes on by itself: frames must be stepped to see it.
     bool moving();
     /// The same of the character as it is, which there must be; or its pose still comes nearer to what is held, or it is recorded.
@@ -190,6 +193,8 @@ private:
     };
     /// The document, for what passes with time.
     Document& passing() { return performed_ ? *performed_ : history_.passing(); }
+    /// As an input of the command "step".
+    [[nodiscard]] Json lineOf(const LiveInput& input) const;
     /// See stepFrame(). Throws std::bad_alloc.
     void stepOn(double seconds);
     /// Of bones, effects and glides.
@@ -249,6 +254,11 @@ private:
     std::vector<Vec3> pointsBefore_;     // of the pose, m: room of stepOn()
     std::optional<Document> performed_;  // as time passes on another thread
     std::vector<double> performedFrames_;  // s each, that have passed there
+    struct PerformedInput {
+        std::size_t frame = 0;           // of performedFrames_
+        LiveInput input;
+    };
+    std::vector<PerformedInput> performedInputs_;  // of each target and frame the last one
     bool met_ = false;
     bool leavesVertices_ = false;
     std::uint64_t builds_ = 0, tunes_ = 0, shows_ = 0;

@@ -20,6 +20,7 @@ Performer::~Performer() {
 // On the thread.
 bool Performer::step(double seconds) {
     const auto start = std::chrono::steady_clock::now();
+    for (LiveInput input; inputs_.take(input);) (void)live_.apply(input);  // what was let go meanwhile needs none
     live_.advance(seconds);
     ++steps_;
     PerformedFrame& frame = frames_.back();
@@ -51,6 +52,7 @@ void Performer::park() {
     if (parked_++ > 0 || !running_) return;
     thread_.park();
     running_ = false;
+    met_ = met_ || live_.hasMet();
     live_.endPerforming();
 }
 
@@ -65,7 +67,8 @@ void Performer::start() noexcept {
     waiting_ = false;
     try {
         const auto built = live_.built();
-        if (!built || !*built || !live_.inMotion()) return;
+        if (!built || !*built) return;
+        if (inputs_.empty() && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
         for (PerformedFrame& frame : frames_.slots()) {
@@ -83,8 +86,19 @@ void Performer::start() noexcept {
     }
 }
 
+bool Performer::give(const LiveInput& input) {
+    if (parked_ > 0 || !inputs_.give(input)) return false;
+    if (!running_) start();
+    return true;
+}
+
+void Performer::dropInputs() { inputs_.clear(); }
+
 bool Performer::take() {
-    if (!running_ || !frames_.take()) return false;
+    // Whoever parked it meanwhile has the last step in the live character.
+    if (!running_) return std::exchange(taken_, steps_) != steps_;
+    if (!frames_.take()) return false;
+    taken_ = frame().step;
     drawn_ = false;
     return true;
 }

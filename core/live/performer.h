@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/triple_buffer.h"
@@ -25,7 +26,7 @@ struct PerformedFrame {
     StageTimes stages;
     unsigned warnings = 0;       ///< of FrameWarning
     bool resting = false;        ///< no step follows
-    bool met = false;            ///< flesh of two elements met, and lacks its patches (the effect "contact")
+    bool met = false;            ///< flesh of two elements met
     std::size_t recorded = 0;    ///< frames of the take that is being recorded
     double recordedSeconds = 0.0;
     bool recordingEnded = false; ///< that take gets no more frames
@@ -49,8 +50,13 @@ public:
     [[nodiscard]] bool running() const { return running_; }
     [[nodiscard]] double leftOut() const { return thread_.leftOut(); }  ///< s, see StepThread
 
-    /// From now on frame() and character() show the step that was made last. False: they did already.
+    /// An input for the next step, which wakes what rests. False: it cannot be taken now. A command that changes the document outdates what was given before it.
+    bool give(const LiveInput& input);
+    void dropInputs();  ///< while it is parked
+    /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
     bool take();
+    /// Flesh of two elements met since the last call, and lacks its patches (the effect "contact"): the document says so.
+    bool takeMeeting() { return std::exchange(met_, false); }
     /// What was shown when take() or resume() was called last, while running().
     [[nodiscard]] const PerformedFrame& frame() const { return frames_.front(); }
     /// The take that is being recorded; none: nothing is.
@@ -72,6 +78,7 @@ private:
     LiveCharacter& live_;
     const std::function<void()> stepped_;
     TripleBuffer<PerformedFrame> frames_;
+    LiveInputs inputs_;
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has
@@ -81,7 +88,9 @@ private:
     int parked_ = 0;
     bool running_ = false;
     bool waiting_ = false;          // to be started when somebody asks
+    bool met_ = false;
     std::uint64_t steps_ = 0;       // of the thread
+    std::uint64_t taken_ = 0;       // of these
     StepThread thread_;             // last: it ends first
 };
 

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <thread>
 
+#include "core/document/character_input.h"
 #include "core/document/take.h"
+#include "core/live/live_input.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -47,6 +49,22 @@ struct Swinging {
         return true;
     }
 };
+
+/// The script of a session makes the same take, byte for byte.
+void checkReplays(Workbench& w, const std::string& take) {
+    Workbench again;
+    for (const Json& line : w.session.script()) again.good(line);
+    const Take& first = *w.session.document().takeNamed(take);
+    const Take& second = *again.session.document().takeNamed(take);
+    REQUIRE(first.times == second.times);
+    std::vector<double> a(first.shapes.width()), b(second.shapes.width());
+    REQUIRE(a.size() == b.size());
+    for (std::size_t f = 0; f < first.times.size(); ++f) {
+        first.shapes.at(f, a.data());
+        second.shapes.at(f, b.data());
+        CHECK(a == b);
+    }
+}
 
 }  // namespace
 
@@ -132,16 +150,79 @@ TEST_CASE("performer: what is recorded alone is replayed to the same bytes by th
         std::this_thread::sleep_for(20ms);
     }
     s.w.good({{"do", "record"}, {"take", "one"}, {"action", "stop"}});
-    Workbench again;
-    for (const Json& line : s.w.session.script()) again.good(line);
-    const Take& first = *s.w.session.document().takeNamed("one");
-    const Take& second = *again.session.document().takeNamed("one");
-    REQUIRE(first.times == second.times);
-    std::vector<double> a(first.shapes.width()), b(second.shapes.width());
-    REQUIRE(a.size() == b.size());
-    for (std::size_t f = 0; f < first.times.size(); ++f) {
-        first.shapes.at(f, a.data());
-        second.shapes.at(f, b.data());
-        CHECK(a == b);
+    checkReplays(s.w, "one");
+}
+
+TEST_CASE("performer: a target that is given moves what is held with the next steps, wakes what rests, and waits for nobody") {
+    Swinging s;
+    const Vec3 rest = s.at();
+    s.pull(rest + Vec3(0.05, 0.0, 0.0));
+    REQUIRE(s.untilAtRest());
+    const std::size_t steps = s.w.session.steps().size();
+    LiveInput input;
+    input.end = *s.w.session.document().endpoint("b/end");
+    input.target = rest + Vec3(0.4, 0.3, 0.0);
+    CHECK(s.w.session.give(input));
+    CHECK(s.w.session.moving());
+    REQUIRE(s.untilAtRest());
+    CHECK((s.w.session.document().goals.at(input.end).target - input.target).norm() == 0.0);
+    CHECK((s.at() - rest).norm() > 0.2);
+    CHECK(s.w.session.steps().size() == steps);  // no step of the history
+    // Whoever let go is not taken hold of again.
+    s.w.good({{"do", "release"}});
+    CHECK(s.w.session.give(input));
+    REQUIRE(s.untilAtRest());
+    CHECK(!s.w.session.document().goals.contains(input.end));
+}
+
+TEST_CASE("performer: a handle on flesh that rests goes where a target says") {
+    Workbench w;
+    w.buildChain();
+    w.good({{"do", "handle"}, {"element", "B"}, {"name", "tip"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.4}});
+    w.good({{"do", "precompute"}});
+    w.session.perform(kHertz, [] {});
+    const FaceRef tip = *w.session.document().handle("tip");
+    const Vec3 rest = w.session.poseOf(tip)->at;
+    w.good({{"do", "drag"}, {"endpoint", "tip"}, {"to", {rest.x(), rest.y(), rest.z()}}});
+    LiveInput input;
+    input.handle = w.session.plan().handleIndex(tip);
+    for (const double far : {0.1, 0.2}) {
+        input.target = rest + Vec3(far, 0.0, 0.0);
+        REQUIRE(w.session.give(input));
+        const auto start = std::chrono::steady_clock::now();
+        while ((w.session.poseOf(tip)->at - input.target).norm() > 1e-9 && std::chrono::steady_clock::now() - start < 60s) {
+            w.session.takeFrame();
+            std::this_thread::sleep_for(5ms);
+        }
+        CHECK((w.session.poseOf(tip)->at - input.target).norm() <= 1e-9);
     }
+}
+
+TEST_CASE("performer: targets that were given while a take was recorded are in the script, and replay it to the same bytes") {
+    Swinging s;
+    const Vec3 rest = s.at();
+    s.pull(rest + Vec3(0.05, 0.0, 0.0));
+    s.w.good({{"do", "record"}, {"take", "given"}, {"action", "start"}});
+    LiveInput input;
+    input.end = *s.w.session.document().endpoint("b/end");
+    for (int i = 1; i <= 40; ++i) {  // more often than steps are made
+        input.target = rest + 0.01 * i * Vec3(1.0, 0.5, 0.0);
+        CHECK(s.w.session.give(input));
+        std::this_thread::sleep_for(7ms);
+    }
+    s.w.good({{"do", "record"}, {"take", "given"}, {"action", "stop"}});
+    const auto script = s.w.session.script();
+    int inputs = 0;
+    for (const Json& line : script)
+        if (line.contains("inputs")) {
+            int last = -1;
+            for (const Json& one : line["inputs"]) {
+                CHECK(one["frame"].get<int>() > last);  // one of each target and step
+                last = one["frame"].get<int>();
+                ++inputs;
+            }
+        }
+    CHECK(inputs > 5);
+    CHECK(inputs < 40);
+    checkReplays(s.w, "given");
 }

@@ -174,7 +174,8 @@ TEST_CASE("studio: flesh anywhere is pulled by a passing handle, soft while it i
     const QPoint to = from + QPoint(128, -26);
     w.shoot("passing-dragged");
     const Vec3 rest = element().faces.back().frame.origin;
-    CHECK(((w.document().session().poseOf(made)->at) - rest).norm() > 0.01 * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm());
+    const double size = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+    waitFor([&] { return (w.document().session().poseOf(made)->at - rest).norm() > 0.01 * size; });
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, to);
     CHECK(element().handles.size() == 3);
     CHECK(w.document().session().responses().fittingOf(id) == response);  // by its key

@@ -58,43 +58,31 @@ TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no ges
     CHECK(w.document().session().position() == before + 1);
 }
 
-TEST_CASE("viewport: however fast the mouse tells, a drag is a command a frame, of where it was last; a release brings its own place, and Esc leaves none") {
+TEST_CASE("viewport: however fast the mouse tells, the character goes where it was last; a release brings its own place, and Esc leaves none") {
     Posing w;
-    int commands = 0;
     w.beginDrag();
-    const auto targets = [&] { return w.now().goals.at(w.end).target; };
-    const auto counted = QObject::connect(&w.document(), &StudioDocument::poseChanged, &w.view(), [&, last = targets()]() mutable {
-        if (targets() != last) ++commands, last = targets();
-    });
-    const QPoint from = w.view().rect().center();
+    const auto target = [&] { return w.now().goals.at(w.end).target; };
+    const QPoint from = w.view().rect().center(), before = w.at();
     const auto move = [&](QPoint at) {
         QMouseEvent event(QEvent::MouseMove, at, w.view().mapToGlobal(at), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
         QApplication::sendEvent(&w.view(), &event);
     };
-    QTest::qWait(kFrameMs);
-    commands = 0;
-    QElapsedTimer since;
-    since.start();
+    int commands = 0;
+    const auto counted = QObject::connect(&w.document(), &StudioDocument::poseChanged, &w.view(), [&] { ++commands; });
     for (int i = 0; i < 200; ++i) move(from + QPoint(i, 0));  // without a turn of the event loop
-    const int given = 1 + int(since.elapsed() / FrameClock::kFrameMs);  // one at once, and one in each frame that passed meanwhile
-    CHECK(commands <= given);
-    waitFor([&] { return commands >= 1; });
+    waitFor([&] { return (w.at() - before).manhattanLength() > 40; });
     w.settle();
-    CHECK(commands <= given + 1);
-    const Vec3 reached = targets();
-    move(from + QPoint(199, 0));
-    w.settle();
-    CHECK((targets() - reached).norm() < 1e-12);  // it was the last one that counted
-    commands = 0;
-    for (int i = 0; i < 20; ++i) move(from + QPoint(199, i));
-    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(0, 60));
-    const Vec3 released = targets();
-    w.settle();
-    CHECK((targets() - released).norm() == 0.0);
-    CHECK((released - reached).norm() > 0.01);
+    CHECK(commands == 0);  // the performance is given targets, and the document stays as it is
     QObject::disconnect(counted);
+    for (int i = 0; i < 20; ++i) move(from + QPoint(199, i));
+    const Vec3 held = target();
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(0, 60));
+    const Vec3 released = target();
+    w.settle();
+    CHECK((target() - released).norm() == 0.0);
+    CHECK((released - held).norm() > 0.01);
 
-    const int before = w.document().session().position();
+    const int steps = w.document().session().position();
     w.run({{"do", "release"}});
     w.run({{"do", "rest"}});
     w.settle();
@@ -104,7 +92,7 @@ TEST_CASE("viewport: however fast the mouse tells, a drag is a command a frame, 
     w.settle();
     CHECK(!w.view().tools().busy());
     CHECK(!w.now().goals.contains(w.end));
-    CHECK(w.document().session().position() >= before);
+    CHECK(w.document().session().position() >= steps);
 }
 
 TEST_CASE("viewport: Esc, the right button and undo in mid-drag take the drag back, and nothing else") {

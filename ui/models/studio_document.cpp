@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/studio_document.h"
 
-#include <QElapsedTimer>
 #include <algorithm>
 #include <utility>
 
@@ -27,6 +26,7 @@ bool changesMore(const CommandRegistry& registry, const Json& command) {
 
 /// Steps of a performance per second.
 constexpr double kHertz = 60.0;
+constexpr int kPaceMs = 1000;
 
 void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
 
@@ -118,7 +118,14 @@ void StudioDocument::askForFrame() {
 void StudioDocument::takeFrame() {
     frameAsked_ = false;
     attempt([this] {
-        if (session_.takeFrame()) measure(session_.performed()->milliseconds);
+        if (!session_.takeFrame()) return;
+        const Session::Performed performed = *session_.performed();
+        if (!pacing_.isValid() || pacing_.elapsed() >= kPaceMs) {
+            if (pacing_.isValid()) pace_ = std::clamp(1.0 - (performed.leftOut - leftOut_) / (1e-3 * double(pacing_.elapsed())), 0.0, 1.0);
+            leftOut_ = performed.leftOut;
+            pacing_.start();
+        }
+        measure(performed.milliseconds);
     });
 }
 

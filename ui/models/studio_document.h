@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QElapsedTimer>
 #include <QObject>
 #include <QString>
 #include <array>
@@ -55,12 +56,16 @@ public:
 
     /// From now on what moves by itself is stepped on a thread of its own (Session::perform()), and frameStepped() tells of it.
     void perform();
+    /// A target of what is held already, for the next step. False: a command must do it, see Session::give().
+    bool give(const LiveInput& input) { return session_.give(input); }
     /// One frame more: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.
     /// None: not measured since it was turned on.
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
     [[nodiscard]] std::optional<double> frameMilliseconds() const;
+    /// How fast time passes in the performance, over the last second: 1 is real time, less where steps take longer than their time.
+    [[nodiscard]] double pace() const { return pace_; }
 
     /// Bits of FrameWarning: what the last frame or pose had to say.
     [[nodiscard]] unsigned warnings();
@@ -114,6 +119,8 @@ private:
     int gestures_ = 0;
     std::array<double, kEffects> effectMs_;  ///< negative: none
     double frameMs_ = -1.0;
+    double pace_ = 1.0, leftOut_ = 0.0;  ///< leftOut_: s, when pacing_ was started
+    QElapsedTimer pacing_;
     bool unheard_ = false;                      ///< not everybody was told what changed
     std::array<bool, kEffects> measured_ = {};  ///< the effects that frames were measured with
     std::map<PartId, Estimate> estimates_;

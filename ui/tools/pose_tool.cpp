@@ -7,6 +7,7 @@
 
 #include "core/base/finite.h"
 #include "core/commands/handle_commands.h"
+#include "core/live/live_input.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -198,8 +199,29 @@ void PoseTool::issue(const PointerEvent& e) {
             if (drag.axis < 0 || drag.axis == k) to[k] = grid * std::round(to[k] / grid);
     }
     if (!allFinite(to)) return;
+    // The first command takes hold and the last one leaves the answer in the document; in between the performance goes on, and is given where to.
+    if (drag.held) {
+        LiveInput input;
+        input.end = drag.end.end;
+        input.handle = drag.end.isHandle() ? document_.session().plan().handleIndex(drag.end.handle) : -1;
+        input.target = to;
+        input.rotation = drag.rotation;
+        input.hasRoll = drag.roll.has_value();
+        input.roll = drag.roll.value_or(0.0);
+        if (document_.give(input)) {
+            drag.given = to;
+            return;
+        }
+    }
+    command(to);
+}
+
+void PoseTool::command(const Vec3& to) {
+    Drag& drag = *drag_;
     const std::string path = pathOf(document_.document(), drag.end);
-    if (!document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.rotation) : commands::drag(path, to, drag.roll))) cancel();
+    drag.given.reset();
+    drag.held = document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.rotation) : commands::drag(path, to, drag.roll)).has_value();
+    if (!drag.held) cancel();
 }
 
 void PoseTool::release(const PointerEvent& e) {
@@ -212,6 +234,8 @@ void PoseTool::release(const PointerEvent& e) {
         flesh_.reset();
         return selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
     }
+    if (drag_->given) command(*drag_->given);
+    if (!drag_) return;
     Session::Step named;
     if (drag_->passing) {
         const auto pose = document_.session().poseOf(drag_->end.handle);

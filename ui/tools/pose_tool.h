@@ -63,6 +63,8 @@ private:
         std::optional<double> roll;       ///< of a bone's end, radians; none: never turned
         Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
         std::optional<Passing> passing;
+        bool held = false;                ///< a command took hold of it
+        std::optional<Vec3> given;        ///< where the performance was told to take it since the last command, m
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
     };
     /// A passing handle that went, and where it was let go.
@@ -77,6 +79,8 @@ private:
     [[nodiscard]] std::optional<RayHit> fleshUnder(const PointerEvent& e) const;
     /// Begins a drag as if the grip had been pressed.
     void take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e);
+    /// Drags it there by a command; where that is refused, the drag is cancelled.
+    void command(const Vec3& to);
     /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
     bool makePassing(const Flesh& flesh);
     /// Brings the passing handle back that was let go last.

@@ -18,6 +18,7 @@
 namespace imomushi {
 namespace {
 constexpr int kWarnedMs = 1500;
+constexpr double kSlow = 0.97;  // of real time: less is said
 }
 
 StatusStrip::StatusStrip(StudioDocument& document, std::function<std::optional<PrecomputeEstimate>()> estimate, QWidget* parent)
@@ -78,7 +79,11 @@ void StatusStrip::showFrame() {
     const QLocale locale;
     vertices_->setText(tr("%1 vertices").arg(locale.toString(verticesOf(document_.document()))));
     ms_->setText(lastMs_ < 0.0 ? QStringLiteral("– ms") : QStringLiteral("%1 ms").arg(locale.toString(lastMs_, 'f', lastMs_ < 10.0 ? 2 : 1)));
-    fps_->setText(lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0)));
+    const QString fps = lastMs_ < 0.0 || lastFps_ <= 0.0 ? QStringLiteral("– fps") : QStringLiteral("%1 fps").arg(locale.toString(lastFps_, 'f', 0));
+    const double pace = document_.pace();
+    const bool slow = pace < kSlow && document_.session().moving();
+    fps_->setText(slow ? tr("%1 · slowed to %2 %", "frames per second, share of real time").arg(fps, locale.toString(100.0 * pace, 'f', 0)) : fps);
+    fps_->setToolTip(slow ? tr("A step takes longer than its time: time in the performance passes more slowly. Takes keep their times.\nTurn effects off or make bodies simpler to have it in real time.") : QString());
 }
 
 void StatusStrip::showWarnings() {
