@@ -327,8 +327,8 @@ bool Session::takeFrame() {
     if (!performer_) return false;
     performer_->refresh();
     const bool stepped = performer_->take();
-    // The document becomes what was performed.
-    if (stepped && performer_->running() && (performer_->frame().resting || performer_->frame().met)) const ParkedPerformer parked(performer_.get());
+    // The document becomes what was performed, where that is at rest or somebody has a hand in it.
+    if (stepped && performer_->running() && (performer_->takeGiven() || performer_->frame().resting || performer_->frame().met)) const ParkedPerformer parked(performer_.get());
     if (performer_->takeMeeting()) tellOfMeetings();
     return stepped;
 }

@@ -88,6 +88,7 @@ void Performer::start() noexcept {
 
 bool Performer::give(const LiveInput& input) {
     if (parked_ > 0 || !inputs_.give(input)) return false;
+    given_ = true;
     if (!running_) start();
     return true;
 }

@@ -53,6 +53,8 @@ public:
     /// An input for the next step, which wakes what rests. False: it cannot be taken now. A command that changes the document outdates what was given before it.
     bool give(const LiveInput& input);
     void dropInputs();  ///< while it is parked
+    /// Inputs were given since the last call: the document does not know of them before it is parked.
+    bool takeGiven() { return std::exchange(given_, !inputs_.empty()); }
     /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
     bool take();
     /// Flesh of two elements met since the last call, and lacks its patches (the effect "contact"): the document says so.
@@ -88,7 +90,7 @@ private:
     int parked_ = 0;
     bool running_ = false;
     bool waiting_ = false;          // to be started when somebody asks
-    bool met_ = false;
+    bool met_ = false, given_ = false;
     std::uint64_t steps_ = 0;       // of the thread
     std::uint64_t taken_ = 0;       // of these
     StepThread thread_;             // last: it ends first

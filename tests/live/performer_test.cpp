@@ -164,6 +164,14 @@ TEST_CASE("performer: a target that is given moves what is held with the next st
     input.target = rest + Vec3(0.4, 0.3, 0.0);
     CHECK(s.w.session.give(input));
     CHECK(s.w.session.moving());
+    // Who looks at the document while it moves sees what was given, as far as steps have taken it.
+    const auto start = std::chrono::steady_clock::now();
+    while (s.w.session.document().goals.at(input.end).target != input.target && std::chrono::steady_clock::now() - start < 60s) {
+        std::this_thread::sleep_for(5ms);
+        s.w.session.takeFrame();
+    }
+    CHECK(s.w.session.document().goals.at(input.end).target == input.target);
+    CHECK(s.w.session.moving());
     REQUIRE(s.untilAtRest());
     CHECK((s.w.session.document().goals.at(input.end).target - input.target).norm() == 0.0);
     CHECK((s.at() - rest).norm() > 0.2);
