@@ -209,7 +209,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
 
     auto mended = mend(render, bones, prepared, setting, true, progress.part(0.1, 0.2));
     if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
-    // A mended body that crosses itself cannot be solved everywhere, and one that lost flesh is not the mesh: one that carries no parts takes its place, or else a wrap, where it is neither
+    // Measures the body, and what may take its place. A mended body that crosses itself cannot be solved everywhere, and one that lost flesh is not the mesh: one that carries no parts takes its place, or else a wrap, where it is neither
     // and hangs together as well.
     const auto fits = [](const Body& body) { return !crossesItself(body) && body.report.distanceRms <= kFarOff && body.report.volumeError <= kMuchLost; };
     const auto replaceWhatFails = [&](Body& body) {
@@ -241,11 +241,15 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         return tl::unexpected(mended.error());
     } else if (mended && setting.how != BodyKind::Wrapped) {
         body = std::move(mended->body);
-        if (setting.how == BodyKind::Auto) replaceWhatFails(*body);
+        if (setting.how == BodyKind::Auto)
+            replaceWhatFails(*body);
+        else
+            measureDistance(render, *body);
     } else {
         body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
         if (!body) return tl::unexpected(body.error());
         if (setting.how == BodyKind::Auto) body->report.issues.push_back({Severity::Info, "wrapped", "The mesh cannot be closed by mending: a new surface around everything was made.", 1, true, {}, {}});
+        measureDistance(render, *body);
     }
     BodyReport& report = body->report;
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());
@@ -259,7 +263,6 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
     if (!report.issues.empty())
         if (const auto seen = examineSurface(render, part)) placeIssues(report.issues, seen->found);
     sayLeftOut(report.issues);
-    measureDistance(render, *body);
     if (report.distanceRms > kFarOff || report.volumeError > kMuchLost) {
         std::string text = "The body is not quite the mesh: vertices are " + formatted("%.2g", 100.0 * report.distanceRms) + " % of the size away from it (root mean square)";
         if (report.volumeError > 0.0) text += ", and its volume is off by " + formatted("%.2g", 100.0 * report.volumeError) + " %";
