@@ -14,7 +14,6 @@ LONG = {
     "core/document/character_cuts.cpp": "one algorithm: all cuts of a character, and what its faces and joints become",
     "core/export/gltf_writer.cpp": "one format: what the parts of a glTF file name in each other",
     "core/io/reader_gltf.cpp": "one format",
-    "core/live/live_character.cpp": "one class, one order of steps in a frame",
     "core/proposal/shape_proposal.cpp": "one algorithm: limbs, cuts and bones from a shape",
     "ui/dialogs/import_dialog.cpp": "one dialog",
     "ui/tools/picking.cpp": "all that is found under the pointer, nearest first, by the same rules",
