@@ -12,8 +12,8 @@ namespace imomushi {
 
 /// Where something that is held already is to be from the next step on: what a hand, or any other device, gives a performance while it goes on.
 struct LiveInput {
-    EndpointRef end;          ///< a goal of the document; `handle` < 0
-    int handle = -1;          ///< of the character's plan, which is held
+    EndpointRef end;          ///< of a bone, where `handle` is -1
+    int handle = -1;          ///< index in the character's plan
     Vec3 target = Vec3::Zero();  ///< m, world
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, unit, world
     double roll = 0.0;        ///< radians, of an end

@@ -17,17 +17,21 @@ Performer::~Performer() {
     live_.leaveVerticesToOthers(false);
 }
 
-// On the thread.
+// On the thread. Where memory runs out, the next step tries again: the last frame stays.
 bool Performer::step(double seconds) {
     const auto start = std::chrono::steady_clock::now();
-    for (LiveInput input; inputs_.take(input);) (void)live_.apply(input);  // what was let go meanwhile needs none
-    live_.advance(seconds);
-    ++steps_;
-    PerformedFrame& frame = frames_.back();
-    fill(frame);
-    frame.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    const bool more = !frame.resting;
-    frames_.publish();
+    bool more = true;
+    try {
+        for (LiveInput input; inputs_.take(input);) (void)live_.apply(input);  // what was let go meanwhile needs none
+        live_.advance(seconds);
+        ++steps_;
+        PerformedFrame& frame = frames_.back();
+        fill(frame);
+        frame.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        more = !frame.resting;
+        frames_.publish();
+    } catch (const std::bad_alloc&) {
+    }
     stepped_();
     return more;
 }
@@ -114,7 +118,7 @@ void Performer::refresh() {
 StageTimes Performer::stages() const {
     StageTimes times = running_ ? frame().stages : live_.stages().value_or(StageTimes{});
     if (!shown_) return times;
-    // Of the other one, vertices count alone: it is told how they are joined.
+    // The other one is given its joints, and only evaluates vertices.
     const StageTimes seen = stageTimes(*shown_);
     times.product += seen.product;
     times.normals += seen.normals;

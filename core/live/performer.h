@@ -84,7 +84,7 @@ private:
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has
-    std::uint64_t shownAs_ = 0;     // and shows(); 0: numbers of a frame
+    std::uint64_t shownAs_ = 0;     // and shows(); 0: it shows a frame, or nothing yet
     bool drawn_ = false;            // shown_ shows frame()
     std::optional<std::string> recording_;
     int parked_ = 0;
