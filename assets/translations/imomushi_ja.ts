@@ -751,6 +751,22 @@
             <translation>関節面にするには平らではありません。</translation>
         </message>
         <message>
+            <source>Another program uses this port. Close it, or choose another port here and in the sender.</source>
+            <translation>ほかのプログラムがこのポートを使っています。そのプログラムを閉じるか、ここと送り手の両方で別のポートを選んでください。</translation>
+        </message>
+        <message>
+            <source>The port cannot be opened. Choose one from 1024 on.</source>
+            <translation>ポートを開けません。1024 以上のポートを選んでください。</translation>
+        </message>
+        <message>
+            <source>This file is no recording of live input.</source>
+            <translation>このファイルはライブ入力の記録ではありません。</translation>
+        </message>
+        <message>
+            <source>This recording of live input is too long. Record shorter parts.</source>
+            <translation>このライブ入力の記録は長すぎます。短く分けて記録してください。</translation>
+        </message>
+        <message>
             <source>The file was not found.</source>
             <translation>ファイルが見つかりません。</translation>
         </message>

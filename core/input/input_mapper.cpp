@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/input/input_mapper.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace imomushi {
+
+namespace {
+
+/// FNV-1a over both names.
+std::uint64_t hashOfNames(std::string_view source, std::string_view channel) {
+    std::uint64_t hash = 14695981039346656037u;
+    const auto add = [&hash](char c) { hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u; };
+    for (const char c : source) add(c);
+    add('\n');
+    for (const char c : channel) add(c);
+    return hash;
+}
+
+}  // namespace
+
+InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest) : rows_(std::move(rows)), heard_(rows_.size()), slots_(shown.size()), rowsOf_(shown.size()) {
+    for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].shown = slots_[i].from = shown[i], slots_[i].rest = rest[i];
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        const InputRow& row = rows_[r];
+        sources_.emplace_back(row.source);
+        channels_.emplace_back(row.channel);
+        if (row.slot < 0 || row.slot >= static_cast<int>(slots_.size()) || !InputName::fits(row.source) || !InputName::fits(row.channel)) continue;
+        listeners_.push_back({hashOfNames(row.source, row.channel), r});
+        rowsOf_[static_cast<std::size_t>(row.slot)].push_back(r);
+    }
+    std::ranges::stable_sort(listeners_, {}, &Listener::name);
+}
+
+bool InputMapper::take(const InputValue& value) {
+    const auto named = std::ranges::equal_range(listeners_, hashOfNames(value.source.text(), value.channel.text()), {}, &Listener::name);
+    bool taken = false;
+    for (const Listener& listener : named) {
+        const int component = rows_[listener.row].component;
+        if (!(value.source == sources_[listener.row]) || !(value.channel == channels_[listener.row]) || component < 0 || component >= value.count) continue;
+        const double number = value.numbers[static_cast<std::size_t>(component)];
+        if (!InputValue::isSound(number)) continue;
+        Heard& heard = heard_[listener.row];
+        heard.raw = number;
+        heard.fresh = taken = true;
+        ++heard.count;
+    }
+    return taken;
+}
+
+void InputMapper::step(double seconds) {
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        const InputRow& row = rows_[r];
+        Heard& heard = heard_[r];
+        heard.returned = false;
+        if (heard.fresh) {
+            heard.returned = heard.silent;
+            if (!heard.known || heard.silent) heard.filtered.restart(heard.raw);  // what it knew is too old
+            heard.known = true;
+            heard.silent = heard.fresh = false;
+            heard.age = 0.0;
+        } else if (heard.known) {
+            heard.age += seconds;
+            heard.silent = row.after > 0.0 && heard.age > row.after;
+        }
+        if (heard.known) heard.value = row.curve.at(heard.filtered.follow(heard.raw, seconds, row.filter));
+    }
+    for (std::size_t s = 0; s < slots_.size(); ++s) {
+        Slot& slot = slots_[s];
+        slot.moved = false;
+        if (slot.byHand) continue;
+        int driver = slot.driver;  // where nobody drives it, it stays
+        bool driven = false;
+        for (const std::size_t r : rowsOf_[s]) {
+            const Heard& heard = heard_[r];
+            if (rows_[r].muted || !heard.known || (heard.silent && rows_[r].silence == InputRow::Silence::Next)) continue;
+            driver = heard.silent && rows_[r].silence == InputRow::Silence::Rest ? kRests : static_cast<int>(r);
+            driven = true;
+            break;
+        }
+        if (!driven && driver >= 0) driver = -1;
+        if (driver != slot.driver || (driver >= 0 && heard_[static_cast<std::size_t>(driver)].returned)) {
+            slot.from = slot.shown;
+            slot.passed = 0.0;
+            slot.length = driver == kRests ? kGlideToRest : kHandover;
+            slot.driver = driver;
+        }
+        if (slot.driver == -1) continue;
+        const double goal = slot.driver == kRests ? slot.rest : heard_[static_cast<std::size_t>(slot.driver)].value;
+        slot.passed = std::min(slot.length, slot.passed + seconds);
+        const double t = slot.passed / slot.length;
+        const double next = t < 1.0 ? slot.from + t * t * (3.0 - 2.0 * t) * (goal - slot.from) : goal;
+        slot.moved = next != slot.shown;
+        slot.shown = next;
+    }
+}
+
+void InputMapper::letGo() {
+    for (Heard& heard : heard_) heard.known = heard.fresh = heard.silent = heard.returned = false;
+    for (Slot& slot : slots_) {
+        slot.from = slot.shown;
+        slot.passed = 0.0;
+        slot.length = kGlideToRest;
+        slot.driver = kRests;
+    }
+}
+
+void InputMapper::setByHand(int index, bool byHand, double shown) {
+    Slot& slot = slots_[static_cast<std::size_t>(index)];
+    slot.byHand = byHand;
+    slot.shown = slot.from = shown;
+    slot.driver = -1;  // who drives it next begins from there
+}
+
+}  // namespace imomushi

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/input/input_value.h"
+#include "core/input/one_euro_filter.h"
+#include "core/input/response_curve.h"
+
+namespace imomushi {
+
+/// Which number of which channel drives what: a row of the table of mappings.
+struct InputRow {
+    std::string source, channel;
+    int component = 0;          ///< which number of the channel, from 0
+    int slot = 0;               ///< what it drives: 0 ... slots - 1, see InputMapper
+    ResponseCurve curve;
+    OneEuro filter;             ///< of the control, before the curve
+    /// What happens where its source has been silent for `after` seconds.
+    enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
+    double after = 0.0;         ///< s; 0: it is never taken for silent (a stick that is not moved says nothing)
+    bool muted = false;
+};
+
+/// What a control says becomes what a slot is: the job of each step of a performance. A slot is one number that is driven, such as the height of a handle (m, from rest) or the weight of
+/// a morph target. Of several rows of one slot the first one wins that has heard something and is neither muted nor silent. Where another row wins, or one comes back from silence, the slot
+/// glides there from what it shows, so that nothing jumps. take(), step() and what is asked neither allocate, lock nor fail; an answer depends on values and steps alone.
+class InputMapper {
+public:
+    static constexpr double kHandover = 0.25;    ///< s, from one row to another one
+    static constexpr double kGlideToRest = 1.0;  ///< s
+
+    /// `shown`, `rest`: of each slot, what it is now and where it rests. Rows of slots that do not exist, or with a component that no value has, are never heard.
+    InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest);
+
+    /// False: no row listens to it.
+    bool take(const InputValue& value);
+    /// A step of so many seconds, > 0. Between two steps the last value of a channel counts.
+    void step(double seconds);
+    /// Everything lets go: rows are as if nothing had been heard, and slots glide to rest. For panic.
+    void letGo();
+    /// A slot that a hand has (a mouse) is not driven; `shown`: where the hand left it.
+    void setByHand(int slot, bool byHand, double shown);
+
+    [[nodiscard]] double shown(int slot) const { return slots_[static_cast<std::size_t>(slot)].shown; }
+    /// Whether the last step changed what it shows.
+    [[nodiscard]] bool moved(int slot) const { return slots_[static_cast<std::size_t>(slot)].moved; }
+    /// The row that drives a slot; -1: none has, or it rests.
+    [[nodiscard]] int winner(int slot) const { return std::max(-1, slots_[static_cast<std::size_t>(slot)].driver); }
+    /// For meters: what a row makes of its control now, in the unit of its slot, and how many values it heard.
+    [[nodiscard]] double valueOf(std::size_t row) const { return heard_[row].value; }
+    [[nodiscard]] std::uint64_t heardBy(std::size_t row) const { return heard_[row].count; }
+    [[nodiscard]] const std::vector<InputRow>& rows() const { return rows_; }
+
+private:
+    struct Heard {
+        double raw = 0.0, value = 0.0;
+        FilteredNumber filtered;
+        std::uint64_t count = 0;
+        double age = 0.0;      // s, since the last value
+        bool known = false;    // something was heard since letGo()
+        bool fresh = false;    // since the last step
+        bool silent = false, returned = false;  // as of the last step
+    };
+    struct Slot {
+        double shown = 0.0, rest = 0.0, from = 0.0;
+        double passed = 0.0, length = 0.0;  // s, of the glide
+        int driver = -1;                    // a row, -1: nothing, kRests
+        bool moved = false, byHand = false;
+    };
+    static constexpr int kRests = -2;
+    struct Listener {
+        std::uint64_t name = 0;  // hash of source and channel
+        std::size_t row = 0;
+    };
+    std::vector<InputRow> rows_;
+    std::vector<Heard> heard_;
+    std::vector<InputName> sources_, channels_;
+    std::vector<Slot> slots_;
+    std::vector<Listener> listeners_;              // by name
+    std::vector<std::vector<std::size_t>> rowsOf_; // of each slot, in order
+};
+
+}  // namespace imomushi

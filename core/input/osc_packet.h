@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string_view>
+
+namespace imomushi {
+
+/// A message of Open Sound Control, as far as live input needs it. Its texts are in the packet.
+struct OscMessage {
+    static constexpr std::size_t kMost = 16;
+    std::string_view address;
+    /// Arguments that are no numbers and no texts (blobs, nothing, colours, times) are left out; what is in arrays counts like the rest.
+    struct Argument {
+        bool isText = false;
+        double number = 0.0;  ///< true and false are 1 and 0
+        std::string_view text;
+    };
+    std::array<Argument, kMost> arguments;
+    std::size_t count = 0;
+    bool more = false;  ///< it had more arguments than there is room for
+};
+
+/// Reads a packet of OSC 1.0, a message or a bundle of them. By hand: oscpack 1.1.0 reads beyond a message whose blob is longer than it. `take` says whether a message is sound. False: the packet or one of its messages is malformed, or bundles are nested deeper
+/// than four times. Messages before the broken one were handed to `take` by then.
+bool readOscPacket(std::span<const std::byte> packet, const std::function<bool(const OscMessage&)>& take);
+
+}  // namespace imomushi

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/input/udp_port.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace imomushi {
+
+namespace {
+
+/// Of the system for each port: a quarter of a second of two senders that put every value into a datagram of its own.
+constexpr int kBufferBytes = 4 << 20;
+constexpr std::size_t kMostPorts = 64;
+
+}  // namespace
+
+UdpPort::UdpPort(UdpPort&& other) noexcept : socket_(std::exchange(other.socket_, -1)), port_(other.port_) {}
+UdpPort& UdpPort::operator=(UdpPort&& other) noexcept {
+    std::swap(socket_, other.socket_);
+    std::swap(port_, other.port_);
+    return *this;
+}
+UdpPort::~UdpPort() {
+    if (socket_ >= 0) ::close(socket_);
+}
+
+Result<UdpPort> UdpPort::listen(std::uint16_t port, From from) {
+    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (socket < 0) return fail("no-port", std::string("A port could not be made (") + std::strerror(errno) + "): close other programs that use the network.");
+    UdpPort made(socket, port);
+    (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kBufferBytes, sizeof kBufferBytes);  // the system may give less
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(from == From::Loopback ? INADDR_LOOPBACK : INADDR_ANY);
+    if (::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+        if (errno == EADDRINUSE) return fail("port-taken", "Port " + std::to_string(port) + " is used by another program: close that one, or choose another port here and in the sender.");
+        return fail("no-port", "Port " + std::to_string(port) + " cannot be opened (" + std::strerror(errno) + "): choose one from 1024 on.");
+    }
+    socklen_t size = sizeof address;
+    if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0) made.port_ = ntohs(address.sin_port);
+    return made;
+}
+
+std::optional<std::size_t> UdpPort::take(std::span<std::byte> room) {
+    const ssize_t size = ::recv(socket_, room.data(), room.size(), MSG_TRUNC);
+    if (size < 0) return std::nullopt;
+    return static_cast<std::size_t>(size);
+}
+
+void UdpPort::wait(std::span<const UdpPort> ports, std::chrono::steady_clock::time_point until) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return;
+    std::array<pollfd, kMostPorts> all{};
+    const std::size_t count = std::min(ports.size(), all.size());
+    for (std::size_t i = 0; i < count; ++i) all[i] = {ports[i].socket_, POLLIN, 0};
+    (void)::poll(all.data(), count, static_cast<int>(left.count()));
+}
+
+}  // namespace imomushi
