@@ -18,8 +18,8 @@ constexpr double kBeyond = 0.1;
 
 class Fitter {
 public:
-    Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress, FitOrder order)
-        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), order_(order), fitted_(wished.size()), moves_(wished.size(), 0) {
+    Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress)
+        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), fitted_(wished.size()), moves_(wished.size(), 0) {
         for (std::size_t c = 0; c < wished.size(); ++c) {
             fitted_[c].plane = wished[c].plane;
             if (fitted_[c].plane.normal.allFinite() && fitted_[c].plane.normal.norm() > 0.0) fitted_[c].plane.normal.stableNormalize();
@@ -56,13 +56,7 @@ public:
                 fitted_[c].why = "It was moved along the limb: " + refusal.message;
                 return true;
             };
-            bool works = (nearest || outward) && moved(at, by);
-            if (!works && order_ == FitOrder::BothGiveWay && refusal.other >= 0)
-                if (const auto other = makeWay(planes, which, static_cast<std::size_t>(refusal.other)); other && moved(other->first, other->second)) {
-                    at = other->first;
-                    works = true;
-                }
-            if (!works) {
+            if (!(nearest || outward) || !moved(at, by)) {
                 fitted_[at].kept = false;
                 fitted_[at].code = refusal.code;
                 fitted_[at].why = refusal.message;
@@ -73,16 +67,6 @@ public:
 
 private:
     [[nodiscard]] bool isTwin(std::size_t a, std::size_t b) const { return wished_[a].twin == static_cast<int>(b); }
-
-    /// Where the earlier of two cuts that touch, `planes[index]`, would work beside all others: which of the wished ones it is, and how far it has to go along its normal, m.
-    std::optional<std::pair<std::size_t, double>> makeWay(std::vector<CutPlane> planes, std::vector<std::size_t> which, std::size_t index) const {
-        std::rotate(planes.begin() + static_cast<std::ptrdiff_t>(index), planes.begin() + static_cast<std::ptrdiff_t>(index) + 1, planes.end());
-        std::rotate(which.begin() + static_cast<std::ptrdiff_t>(index), which.begin() + static_cast<std::ptrdiff_t>(index) + 1, which.end());
-        const auto pieces = cutBody(body_, planes, progress_);
-        if (pieces || pieces.error().cut + 1 != static_cast<int>(planes.size()) || !pieces.error().nearest) return std::nullopt;
-        const CutPlane& plane = planes.back();
-        return std::pair(which.back(), (1.0 + kBeyond) * plane.normal.dot(pieces.error().nearest->origin - plane.origin));
-    }
 
     void move(std::size_t c, double by) {
         ++moves_[c];
@@ -165,7 +149,6 @@ private:
     const std::optional<CutPlane>& mirror_;
     double least_;
     const Progress& progress_;
-    FitOrder order_;
     std::vector<FittedCut> fitted_;
     std::vector<int> moves_;
     std::vector<Eigen::Index> tipVertex_;  // -1: not known yet
@@ -173,8 +156,8 @@ private:
 
 }  // namespace
 
-Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress, FitOrder order) {
-    return Fitter(body, cuts, mirror, least, progress, order).fit();
+Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress) {
+    return Fitter(body, cuts, mirror, least, progress).fit();
 }
 
 }  // namespace imomushi

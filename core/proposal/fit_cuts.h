@@ -32,16 +32,9 @@ struct FittedCut {
     std::string code, why;  ///< why it was moved or left out, see CutRefusal; "small": the piece in front of it has less than the least share; "other-limb": its tip lies elsewhere
 };
 
-/// Which of two cuts that touch gives way.
-enum class FitOrder : std::uint8_t {
-    LaterGivesWay,  ///< the later one is moved, or left out
-    BothGiveWay,    ///< the same, but before it is left out the earlier one is moved, if that helps
-};
-
 /// Tries cuts together (cutBody()) until they work: one that is refused is moved to the nearest place that works, if that is within reach, else left out. Where
-/// two touch, one of them gives way (`order`); normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
+/// two touch, the later one gives way; normals point away from the root, cuts nearer to it come first. `mirror`: of twins. `least`: smallest share of the volume of a
 /// piece, 0...1. Nothing is changed. Errors: "not-closed", "cancelled".
-Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress,
-                                       FitOrder order = FitOrder::LaterGivesWay);
+Result<std::vector<FittedCut>> fitCuts(const TriangleMesh& body, std::span<const WishedCut> cuts, const std::optional<CutPlane>& mirror, double least, const Progress& progress);
 
 }  // namespace imomushi

@@ -2,6 +2,7 @@
 #include "core/proposal/rig_cuts.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,14 +13,16 @@ namespace {
 
 constexpr double kSharpest = -0.5;      // cosine of the largest bend at a joint whose bisector is taken: beyond, a limb goes back along its parent
 constexpr double kBelongs = 0.5;        // of a vertex's flesh: what lies beyond a joint
-constexpr double kMuchBetter = 0.7;  // another plane is taken if it misplaces this part of what the bisector does,
-constexpr double kWorthIt = 0.05;       // and if the difference is this part of the limb's flesh
-constexpr double kFarther[] = {0.5, 1.0};  // radii of the section: planes that are tried where nearer ones fail
-constexpr double kLeastWay = 0.02;    // diagonals
-constexpr double kAstray = 0.5;        // cosine between both middles
-constexpr double kAside = 0.15;       // of a bone: flesh whose middle is nearer to the head lies around it
-constexpr double kMostShift = 0.35;         // of the length of the shorter bone: how far a plane may be moved
-
+constexpr double kFarther[] = {0.5, 1.0};                // radii of the section
+constexpr double kAlong[] = {0.15, 0.3, 0.5};            // of the bone
+constexpr double kAlongLimb[] = {0.15, 0.3, 0.45, 0.6};  // of the way to its tip
+constexpr double kBack[] = {0.15, 0.3};                  // of the way to the joint before
+constexpr double kLean[] = {0.35, 0.7};                  // radians
+constexpr double kSlanting = 0.7;                        // cosine: two directions are too near to each other for an axis across both
+constexpr double kLeastWay = 0.02;                       // diagonals
+constexpr double kAstray = 0.5;                          // cosine between both middles, and between flesh and bone
+constexpr double kAside = 0.15;                          // of a bone: flesh whose middle is nearer to the head lies around it
+constexpr double kMostShift = 0.35;                      // of the length of the shorter bone: how far a plane may be moved
 
 }  // namespace
 
@@ -69,53 +72,31 @@ Vec3 RigCuts::direction(const MergedRig& merged, std::size_t kept) const {
     return along.norm() > near ? along.normalized() : Vec3::UnitY();
 }
 
-double RigCuts::misplaced(const std::vector<double>& own, const CutPlane& plane) const {
-    const auto vertices = static_cast<std::size_t>(body_.vertices.rows());
-    const auto inFront = [&](std::size_t v) { return plane.normal.dot(vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) - plane.origin) > 0.0; };
-    // What the cut would take: in front of the plane and connected there with what belongs beyond the joint.
-    std::vector<char> taken(vertices, 0);
-    std::vector<std::size_t> open;
-    for (std::size_t v = 0; v < vertices; ++v)
-        if (own[v] > 0.9 && inFront(v)) {
-            taken[v] = 1;
-            open.push_back(v);
-        }
-    while (!open.empty()) {
-        const std::size_t v = open.back();
-        open.pop_back();
-        for (auto i = static_cast<std::size_t>(firstNeighbour_[v]); i < static_cast<std::size_t>(firstNeighbour_[v + 1]); ++i) {
-            const auto other = static_cast<std::size_t>(neighbour_[i]);
-            if (taken[other] || !inFront(other)) continue;
-            taken[other] = 1;
-            open.push_back(other);
-        }
-    }
-    double wrong = 0.0;
-    for (std::size_t v = 0; v < vertices; ++v) wrong += flesh_.volume[v] * std::abs((taken[v] ? 1.0 : 0.0) - own[v]);
-    return wrong;
-}
-
-RigCuts::Wish RigCuts::wish(const MergedRig& merged, std::size_t k) const {
+RigCuts::Wish RigCuts::wish(const MergedRig& merged, std::size_t k, const std::optional<CutPlane>& mirror) const {
     const auto vertices = static_cast<std::size_t>(body_.vertices.rows());
     std::vector<char> beyond(merged.kept.size(), 0);
     beyond[k] = 1;
     for (std::size_t c = k + 1; c < merged.kept.size(); ++c) beyond[c] = beyond[static_cast<std::size_t>(merged.parent[c])];
     const Vec3 head = rig_.bones[static_cast<std::size_t>(merged.kept[k])].head, out = direction(merged, k);
-    std::vector<double> own(vertices, 0.0);
-    double limb = 0.0, length = 0.0;
+    Wish wish;
+    wish.own.assign(vertices, 0.0);
+    std::vector<double>& own = wish.own;
+    double length = 0.0;
+    Vec3 tip = head;  // the farthest place that belongs beyond
     for (std::size_t v = 0; v < vertices; ++v) {
         for (auto i = static_cast<std::size_t>(flesh_.first[v]); i < static_cast<std::size_t>(flesh_.first[v + 1]); ++i)
             if (beyond[static_cast<std::size_t>(merged.mover[static_cast<std::size_t>(flesh_.bone[i])])]) own[v] += flesh_.weight[i];
-        limb += flesh_.volume[v] * own[v];
-        if (own[v] > kBelongs) length = std::max(length, (vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) - head).norm());
+        const Vec3 at = vertexPlace(body_.vertices, static_cast<Eigen::Index>(v));
+        if (own[v] <= kBelongs || (at - head).norm() <= length) continue;
+        length = (at - head).norm();
+        tip = at;
     }
 
     const Vec3 from = head - rig_.bones[static_cast<std::size_t>(merged.kept[static_cast<std::size_t>(merged.parent[k])])].head;
     Vec3 bisector = out;
     if (from.norm() > 1e-3 * diagonal_ && from.normalized().dot(out) > kSharpest) bisector = (from.normalized() + out).normalized();
-    std::vector<std::pair<double, CutPlane>> others;
-    const auto offer = [&](const Vec3& origin, const Vec3& normal) { others.emplace_back(misplaced(own, {origin, normal}), CutPlane{origin, normal}); };
-    offer(head, out);
+    wish.planes.push_back({head, bisector});
+    wish.planes.push_back({head, out});
     // Where the skin goes over from one to the other: the places on edges where half of the flesh belongs beyond.
     Vec3 middle = Vec3::Zero();
     std::vector<Vec3> places;
@@ -127,29 +108,44 @@ RigCuts::Wish RigCuts::wish(const MergedRig& merged, std::size_t k) const {
             places.push_back((1.0 - t) * vertexPlace(body_.vertices, static_cast<Eigen::Index>(v)) + t * vertexPlace(body_.vertices, static_cast<Eigen::Index>(w)));
             middle += places.back();
         }
-    double radius = diagonal_;
+    double radius = diagonal_;  // of the section
+    Vec3 side = mirror ? mirror->normal : Vec3(Vec3::UnitX());  // a direction across most limbs
+    std::vector<Vec3> normals{bisector, out}, origins{head};
+    // Flesh that is spread over other limbs misleads: as the bone itself points.
+    const Vec3 bone = rig_.bones[static_cast<std::size_t>(merged.kept[k])].tail - head;
+    if (bone.norm() > 1e-3 * diagonal_ && bone.normalized().dot(out) < kAstray) normals.push_back(bone.normalized());
     if (places.size() >= 3) {
         middle /= static_cast<double>(places.size());
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         for (const Vec3& p : places) spread += (p - middle) * (p - middle).transpose() / static_cast<double>(places.size());
         radius = std::sqrt(spread.trace());
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+        if (!mirror) side = axes.eigenvectors().col(2);
         Vec3 normal = axes.eigenvectors().col(0);
         if (normal.dot(bisector) < 0.0) normal = -normal;
-        offer(middle, bisector);
-        offer(middle, normal);
-        offer(middle, (normal + bisector).normalized());
+        const Vec3 between = (normal + bisector).normalized();
+        for (const Vec3& n : {bisector, normal, between}) wish.planes.push_back({middle, n});
         // Farther out the limb is narrower, and other limbs are farther away.
-        for (const double part : kFarther) offer(middle + part * radius * out, (normal + bisector).normalized());
+        for (const double part : kFarther) wish.planes.push_back({middle + part * radius * out, between});
+        normals.insert(normals.end(), {normal, between});
+        origins.push_back(middle);
+        for (const double part : kFarther) origins.push_back(middle + part * radius * out);
     }
-    std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    Wish wish;
-    wish.planes.push_back({head, bisector});
-    const double least = misplaced(own, wish.planes[0]);
-    for (const auto& [wrong, plane] : others) wish.planes.push_back(plane);
-    if (others[0].first < std::min(kMuchBetter * least, least - kWorthIt * limb)) std::swap(wish.planes[0], wish.planes[1]);
-    const double bone = std::min((rig_.bones[static_cast<std::size_t>(merged.kept[k])].tail - head).norm(), from.norm());
-    wish.reach = kMostShift * std::max(bone, kLeastWay * diagonal_);
+    const double along = std::min(std::max(bone.norm(), kLeastWay * diagonal_), length);
+    for (const double part : kAlong) origins.push_back(head + part * along * out);
+    if (from.norm() > 1e-3 * diagonal_)
+        for (const double part : kBack) origins.push_back(head - part * from);
+    const Vec3 across = (std::abs(side.dot(bisector)) < kSlanting ? side : bisector.unitOrthogonal()).cross(bisector).normalized(), other = bisector.cross(across);
+    for (const double lean : kLean)
+        for (const Vec3& axis : {across, Vec3(-across), other, Vec3(-other)}) normals.push_back(Eigen::AngleAxisd(lean, axis) * bisector);
+    for (const Vec3& origin : origins)
+        for (const Vec3& normal : normals) wish.more.push_back({origin, normal});
+    // Along the whole limb, whose first joints may lie deep in the trunk.
+    if (length > 0.0)
+        for (const double part : kAlongLimb)
+            for (const Vec3& normal : {Vec3((tip - head) / length), bisector, out}) wish.more.push_back({head + part * (tip - head), normal});
+    const double shorter = std::min(bone.norm(), from.norm());
+    wish.reach = kMostShift * std::max(shorter, kLeastWay * diagonal_);
     wish.importance = length / std::max(radius, 1e-6 * diagonal_);
     return wish;
 }

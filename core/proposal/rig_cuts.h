@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/body/cut.h"
@@ -15,19 +16,18 @@ public:
     RigCuts(const Rig& rig, const RigFlesh& flesh, const TriangleMesh& body);
 
     struct Wish {
-        std::vector<CutPlane> planes;  ///< to be tried one after the other, normals outward, unit; the first at the head, along the bisector, unless another one is much better
+        std::vector<CutPlane> planes;  ///< normals outward, unit: at the head, and where the skin goes over
+        std::vector<CutPlane> more;    ///< along the bone and towards its parent, and leaning by up to 40 degrees: where those of other limbs are in the way
+        std::vector<double> own;       ///< per vertex of the body, 0...1, how much of its flesh belongs beyond the joint
         double reach = 0.0;            ///< m, how far they may be moved
         double importance = 0.0;       ///< length of what lies beyond over the radius of the section: limbs before spines
     };
-    /// For a kept bone that is not the root.
-    [[nodiscard]] Wish wish(const MergedRig& merged, std::size_t kept) const;
+    /// For a kept bone that is not the root. `mirror`: of the body, so that planes lean along it or across.
+    [[nodiscard]] Wish wish(const MergedRig& merged, std::size_t kept, const std::optional<CutPlane>& mirror) const;
     /// Where a kept bone points, unit: towards its next joint in the file, or else the middle of its flesh.
     [[nodiscard]] Vec3 direction(const MergedRig& merged, std::size_t kept) const;
 
 private:
-    /// How much flesh lies on the wrong side of a plane, in parts of the whole: `own`: per vertex, what of it lies beyond the joint.
-    [[nodiscard]] double misplaced(const std::vector<double>& own, const CutPlane& plane) const;
-
     const Rig& rig_;
     const RigFlesh& flesh_;
     const TriangleMesh& body_;

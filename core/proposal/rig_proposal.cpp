@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/proposal/choose_planes.h"
 #include "core/proposal/fit_cuts.h"
 #include "core/proposal/mirror_plane.h"
 #include "core/proposal/proposal_codec.h"
@@ -23,7 +24,8 @@ namespace {
 
 constexpr double kSmallPiece = 0.25;  // of the least share: a piece that is smaller than this is not cut off
 constexpr double kWithin = 0.95;      // of the way from the head of a bone to the end of its flesh: where its tip is
-constexpr int kMostRounds = 10, kLastRounds = 4;  // in the last ones no other planes are tried
+constexpr double kRoundShare = 0.5;   // of what is left of the progress that a round takes
+constexpr std::size_t kMostRefused = 3;  // planes of a bone; then it is merged
 constexpr std::size_t kMostRigPieces = 20;          // unless somebody asks for a least share
 constexpr double kMoreShare = 1.2;                  // by which the least share is raised until they are few
 constexpr double kTwin = 0.01;                      // of the diagonal: how near a mirrored bone is to its twin
@@ -48,12 +50,7 @@ public:
             while (merged_.kept.size() > kMostRigPieces) merged_ = mergeRig(rig_, flesh_, smallest *= kMoreShare);
             if (smallest > kLeastRigShare) proposal_.notes.push_back({"merged-more", "Bones of less than " + std::to_string(static_cast<int>(std::round(100.0 * smallest))) + " % of the flesh were merged, so that few are left: a smaller least share keeps more."});
         }
-        // Which cut gives way where two touch decides what else fits: the other way round is tried where a bone was lost.
-        IMOMUSHI_TRY(Cutting cutting, cutLimbs(smallest, never, FitOrder::LaterGivesWay, progress.part(0.1, 0.55)));
-        if (cutting.lost) {
-            IMOMUSHI_TRY(Cutting other, cutLimbs(smallest, never, FitOrder::BothGiveWay, progress.part(0.55, 1.0)));
-            if (other.fitted.size() > cutting.fitted.size()) cutting = std::move(other);
-        }
+        IMOMUSHI_TRY(Cutting cutting, cutLimbs(smallest, never, progress.part(0.1, 1.0)));
         merged_ = std::move(cutting.merged);
         const std::map<int, FittedCut>& fitted = cutting.fitted;
         proposal_.share = flesh_.share;
@@ -79,65 +76,74 @@ private:
     struct Cutting {
         MergedRig merged;
         std::map<int, FittedCut> fitted;  ///< by the bone of the rig
-        bool lost = false;                ///< a bone was merged because no cut works there
     };
 
-    Result<Cutting> cutLimbs(double smallest, std::vector<std::pair<int, std::string>> never, FitOrder order, const Progress& progress) const {
-        Cutting made{mergeRig(rig_, flesh_, smallest, never), {}, false};
-        const std::size_t wanted = made.merged.kept.size();
-        std::map<int, std::size_t> candidate;  // which plane of its wish a bone is at
-        // Each round goes on to the next planes of cuts that fail, or merges their bones, so that the planes of others may change.
-        for (int round = 0; round < kMostRounds; ++round) {
-            const Progress part = progress.part(static_cast<double>(round) / kMostRounds, static_cast<double>(round + 1) / kMostRounds);
-            part.report("skeleton", 0.0);
-            std::vector<std::size_t> first;  // kept bones, the more important ones first: where two cuts touch, the later one gives way
+    Result<Cutting> cutLimbs(double smallest, std::vector<std::pair<int, std::string>> never, const Progress& progress) const {
+        const CutSurface surface(body_);
+        const double least = kSmallPiece * smallest;
+        std::map<int, std::vector<CutPlane>> refused;  // of bones, by the solver's cutting
+        // Each round merges a bone that no cut works for, so that those of others may change.
+        for (int round = 0;; ++round) {
+            const Progress part = progress.part(1.0 - std::pow(kRoundShare, round), 1.0 - std::pow(kRoundShare, round + 1));
+            Cutting made{mergeRig(rig_, flesh_, smallest, never), {}};
             std::vector<RigCuts::Wish> wishes(made.merged.kept.size());
-            for (std::size_t k = 1; k < made.merged.kept.size(); ++k) {
-                wishes[k] = cuts_.wish(made.merged, k);
-                first.push_back(k);
+            std::vector<std::size_t> order;  // kept bones, the more important ones first
+            for (std::size_t k = 1; k < wishes.size(); ++k) {
+                wishes[k] = cuts_.wish(made.merged, k, mirror_);
+                order.push_back(k);
             }
             const std::vector<int> twin = keptTwins(made.merged);
             for (std::size_t k = 1; k < wishes.size(); ++k) mirrorWish(made.merged, k, twin[k], wishes);
-            std::stable_sort(first.begin(), first.end(), [&](std::size_t a, std::size_t b) { return wishes[a].importance > wishes[b].importance; });
+            std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return wishes[a].importance > wishes[b].importance; });
             std::vector<int> place(made.merged.kept.size(), -1);
-            for (std::size_t c = 0; c < first.size(); ++c) place[first[c]] = static_cast<int>(c);
+            for (std::size_t c = 0; c < order.size(); ++c) place[order[c]] = static_cast<int>(c);
+            std::vector<PlaneWish> choices;
+            for (const std::size_t k : order) {
+                PlaneWish choice;
+                const std::vector<CutPlane>& bad = refused[made.merged.kept[k]];
+                const auto offered = [&](std::vector<CutPlane> planes) {
+                    std::erase_if(planes, [&](const CutPlane& p) { return std::any_of(bad.begin(), bad.end(), [&](const CutPlane& b) { return b.origin == p.origin && b.normal == p.normal; }); });
+                    return planes;
+                };
+                choice.planes = offered(std::move(wishes[k].planes));
+                choice.more = offered(std::move(wishes[k].more));
+                choice.own = std::move(wishes[k].own);
+                choice.parent = made.merged.parent[k] > 0 ? place[static_cast<std::size_t>(made.merged.parent[k])] : -1;
+                if (twin[k] > 0) choice.twin = place[static_cast<std::size_t>(twin[k])];
+                choices.push_back(std::move(choice));
+            }
+            const auto planes = choosePlanes(surface, flesh_.volume, choices, mirror_, least, part.part(0.0, 0.7));
+            const std::size_t before = never.size();
             std::vector<WishedCut> wished;
-            for (const std::size_t k : first) {
-                const auto& planes = wishes[k].planes;
-                const std::size_t which = std::min(candidate[made.merged.kept[k]], planes.size() - 1);
-                WishedCut wish;
-                wish.plane = planes[which];
-                wish.reach = wishes[k].reach;
-                if (twin[k] > 0) wish.twin = place[static_cast<std::size_t>(twin[k])];
-                wished.push_back(wish);
-            }
-            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, kSmallPiece * smallest, part, order));
-            made.fitted.clear();
-            for (std::size_t c = 0; c < tried.size(); ++c) {
-                const FittedCut& cut = tried[c];
-                const int bone = made.merged.kept[first[c]];
-                if (cut.kept) {
-                    made.fitted.emplace(bone, cut);
-                } else if (++candidate[bone] >= wishes[first[c]].planes.size() || round + kLastRounds >= kMostRounds) {
-                    never.emplace_back(bone, "No cut works there: " + cut.why);
-                }
-            }
-            if (made.fitted.size() == tried.size()) break;
-            made.merged = mergeRig(rig_, flesh_, smallest, never);
-        }
-        // Rounds may end before all is settled: what is not cut is merged, and then what is kept instead.
-        const auto uncut = [&] {
+            std::vector<int> index(order.size(), -1);  // into `wished`
             std::vector<int> bones;
-            for (std::size_t k = 1; k < made.merged.kept.size(); ++k)
-                if (!made.fitted.contains(made.merged.kept[k])) bones.push_back(made.merged.kept[k]);
-            return bones;
-        };
-        for (std::vector<int> bones = uncut(); !bones.empty(); bones = uncut()) {
-            for (const int bone : bones) never.emplace_back(bone, "No cut works there.");
-            made.merged = mergeRig(rig_, flesh_, smallest, never);
+            for (std::size_t c = 0; c < order.size(); ++c) {
+                if (!planes[c]) {
+                    never.emplace_back(made.merged.kept[order[c]], "No cut works there that goes together with the others.");
+                    continue;
+                }
+                index[c] = static_cast<int>(wished.size());
+                bones.push_back(made.merged.kept[order[c]]);
+                WishedCut& wish = wished.emplace_back();
+                wish.plane = *planes[c];
+                wish.reach = wishes[order[c]].reach;
+            }
+            for (std::size_t c = 0; c < order.size(); ++c)
+                if (index[c] >= 0 && choices[c].twin >= 0) wished[static_cast<std::size_t>(index[c])].twin = index[static_cast<std::size_t>(choices[c].twin)];
+            IMOMUSHI_TRY(const auto tried, fitCuts(body_, wished, mirror_, least, part.part(0.7, 1.0)));
+            bool all = never.size() == before;
+            for (std::size_t w = 0; w < tried.size(); ++w) {
+                if (tried[w].kept) {
+                    made.fitted.emplace(bones[w], tried[w]);
+                    continue;
+                }
+                all = false;
+                std::vector<CutPlane>& bad = refused[bones[w]];
+                bad.push_back(wished[w].plane);
+                if (bad.size() > kMostRefused) never.emplace_back(bones[w], "No cut works there: " + tried[w].why);
+            }
+            if (all) return made;
         }
-        made.lost = made.merged.kept.size() < wanted;
-        return made;
     }
 
     /// Bones that mirror each other move equal shares of flesh.
@@ -189,15 +195,23 @@ private:
     /// The later of two twins gets the planes of the other one; those of a bone on the mirror plane stand upright on it.
     void mirrorWish(const MergedRig& merged, std::size_t k, int twin, std::vector<RigCuts::Wish>& wishes) const {
         if (twin > 0 && twin < static_cast<int>(k)) {
-            wishes[k] = wishes[static_cast<std::size_t>(twin)];
-            for (CutPlane& plane : wishes[k].planes) plane = {mirroredPoint(*mirror_, plane.origin), mirroredDirection(*mirror_, plane.normal)};
+            const RigCuts::Wish& other = wishes[static_cast<std::size_t>(twin)];
+            wishes[k].planes = other.planes;
+            wishes[k].more = other.more;
+            wishes[k].reach = other.reach;
+            wishes[k].importance = other.importance;
+            for (auto* planes : {&wishes[k].planes, &wishes[k].more})
+                for (CutPlane& plane : *planes) plane = {mirroredPoint(*mirror_, plane.origin), mirroredDirection(*mirror_, plane.normal)};
         } else if (mirror_ && twins_[static_cast<std::size_t>(merged.kept[k])] == merged.kept[k]) {
-            for (CutPlane& plane : wishes[k].planes) {
+            const auto upright = [&](CutPlane& plane) {
                 const double lean = mirror_->normal.dot(plane.normal);
-                if (std::abs(lean) > kStraight) continue;
+                if (std::abs(lean) > kStraight) return false;
                 plane.normal = (plane.normal - lean * mirror_->normal).normalized();
                 plane.origin = ontoPlane(*mirror_, plane.origin);
-            }
+                return true;
+            };
+            for (CutPlane& plane : wishes[k].planes) upright(plane);
+            std::erase_if(wishes[k].more, [&](CutPlane& plane) { return !upright(plane); });
         }
     }
 

@@ -158,7 +158,8 @@ TEST_CASE("a character whose halves cross each other at the muzzle gets a body t
     CHECK(body->report.distanceLargest < 0.01);
     const auto proposal = proposeFromRig(*file.rig, file.renderModel.mesh.body, body->mesh, std::nullopt, {});
     REQUIRE(proposal);
-    CHECK(proposal->cuts.size() >= 18);
+    CHECK(proposal->cuts.size() == 19);
+    for (const char* name : {"head cut", "muzzle cut", "ear.L cut", "ear.R cut"}) CHECK_MESSAGE(std::any_of(proposal->cuts.begin(), proposal->cuts.end(), [&](const ProposedCut& cut) { return cut.name == name; }), name);
 }
 
 TEST_CASE("a character whose legs lie on its chest triangle on triangle becomes one closed body by mending") {
