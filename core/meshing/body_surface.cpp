@@ -75,7 +75,7 @@ SolvedBody onItself(SolverMesh mesh, const BodySurface& surface) {
     return out;
 }
 
-Result<SolvedBody> onDecimated(const BodySurface& surface, int vertices, const Progress& progress, double outlineEdge) {
+Result<SolvedBody> onDecimated(const BodySurface& surface, int vertices, const Progress& progress, double outlineEdge, double most) {
     const TriangleMesh& mesh = surface.triangles();
     std::vector<double> tolerance(surface.faces.size(), kRimTolerance), longest;
     if (surface.discs.any()) {
@@ -83,7 +83,7 @@ Result<SolvedBody> onDecimated(const BodySurface& surface, int vertices, const P
         for (std::size_t f = 0; f < tolerance.size(); ++f)
             if (surface.discs.exact[f]) tolerance[f] = kOutlineTolerance;
     }
-    auto small = decimate(mesh, surface.faces, vertices, progress, tolerance, longest);
+    auto small = decimate(mesh, surface.faces, vertices, progress, tolerance, longest, most);
     if (!small) return tl::make_unexpected(small.error());
     SolvedBody out;
     out.mesh = plainSolverMesh(small->mesh, small->faces);

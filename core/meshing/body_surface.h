@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/joints/joint_face.h"
+#include "core/meshing/decimation.h"
 #include "core/meshing/disc_mesh.h"
 #include "core/meshing/solved_body.h"
 #include "core/meshing/solver_mesh.h"
@@ -40,7 +42,9 @@ SolvedBody onItself(SolverMesh mesh, const BodySurface& surface);
 
 /// Edges of a decimated disc's outline, in radii, where strips follow and in drafts, which have none.
 inline constexpr double kOutlineEdge = 0.4, kOutlineEdgeOfDraft = 0.2;
-/// A body of so many vertices in its place. `outlineEdge`: at outlines of discs, in their radii. Errors: those of decimate().
-Result<SolvedBody> onDecimated(const BodySurface& surface, int vertices, const Progress& progress, double outlineEdge = kOutlineEdge);
+/// Of decimate(): dense rims and thin walls may keep as many vertices as they need.
+constexpr double kAsFewAsRimsAllow = std::numeric_limits<double>::infinity();
+/// A body of so many vertices in its place. `outlineEdge`: at outlines of discs, in their radii. `most` and errors: those of decimate().
+Result<SolvedBody> onDecimated(const BodySurface& surface, int vertices, const Progress& progress, double outlineEdge = kOutlineEdge, double most = kAboutAsMany);
 
 }  // namespace imomushi

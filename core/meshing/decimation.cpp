@@ -23,9 +23,6 @@ using Index = std::int32_t;
 /// How often the edges of triangles that intersect others are halved. After that they are shorter than 1/4000 of what they were.
 constexpr int kRounds = 12;
 
-/// A decimated body may exceed the wanted number by this before it counts as out of reach.
-constexpr double kAbout = 1.1;
-
 /// Intersections that are looked at in one round.
 constexpr std::size_t kPairs = 100000;
 
@@ -66,7 +63,7 @@ bool intersectsAt(const LabelledSurface& surface, const std::vector<Index>& numb
 }  // namespace
 
 Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFace> faces, int vertices, const Progress& progress,
-                               std::span<const double> rimTolerance, std::span<const double> longest) {
+                               std::span<const double> rimTolerance, std::span<const double> longest, double most) {
     const std::string count = std::to_string(body.vertices.rows());
     if (vertices < 4) return fail("bad-value", "A closed surface has at least 4 vertices; choose a larger number.");
     if (vertices > body.vertices.rows())
@@ -138,7 +135,7 @@ Result<DecimatedBody> decimate(const TriangleMesh& body, std::span<const JointFa
                                              "repair it, or use \"as-is\".");
         for (std::size_t v = 0; v < limit.size(); ++v) limit[v] = std::min(limit[v], shorter[at(number[v])]);
     }
-    if (static_cast<double>(surface.points.size()) > kAbout * vertices)
+    if (static_cast<double>(surface.points.size()) > most * vertices)
         return fail("too-few-vertices", "The body cannot be decimated to " + std::to_string(vertices) +
                                             " vertices without moving the rims of its joint faces or letting thin walls touch; the smallest is about \"decimated:" +
                                             std::to_string(surface.points.size()) + "\".");

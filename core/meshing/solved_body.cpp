@@ -193,9 +193,9 @@ Result<SolvedBody> draft(const BodySurface& surface, const Progress& progress) {
     SolvedBody out = onItself(surface.mesh, surface);
     const bool discs = surface.discs.any();
     if (discs ? surface.triangles().vertices.rows() > kDraftNodes : !asItIsForDraft(surface.triangles())) {
-        auto small = onDecimated(surface, discs ? kDraftNodes : SolverMeshSetting::kDraftVertices, progress, kOutlineEdgeOfDraft);
+        auto small = onDecimated(surface, discs ? kDraftNodes : SolverMeshSetting::kDraftVertices, progress, kOutlineEdgeOfDraft, kAsFewAsRimsAllow);
         if (progress.cancelled()) return fail(kCancelled, "The precompute was cancelled.");
-        if (small) out = std::move(*small);
+        if (small && small->mesh.mesh.vertices.rows() < surface.triangles().vertices.rows()) out = std::move(*small);
     }
     if (discs) return out;  // small triangles all over bend limbs better than strips do
     // Rims are where a coarse mesh is wrong most.

@@ -247,7 +247,8 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
     const auto own = static_cast<int>(surface.triangles().vertices.rows());
     std::optional<SolvedBody> out;
     if (!detail.onItself && vertices < kWorthIt * own) {
-        if (auto small = onDecimated(surface, vertices, progress)) out = std::move(*small);
+        const double most = own > kAtMostTimes * vertices ? kAsFewAsRimsAllow : kAboutAsMany;
+        if (auto small = onDecimated(surface, vertices, progress, kOutlineEdge, most); small && small->mesh.mesh.vertices.rows() < kWorthIt * own) out = std::move(*small);
         if (progress.cancelled()) return cancelled();
         // Dense rims stay as they are, and a body that meets itself cannot be filled either.
         if (!out && own > kAtMostTimes * vertices) return fail(kNoFilling, "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");

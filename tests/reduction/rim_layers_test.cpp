@@ -116,3 +116,24 @@ TEST_CASE("solver mesh of a setting for boundary elements: a body of few vertice
     CHECK(plain->nodes() == many.mesh.vertices.rows());
     CHECK(plain->mesh.bubbles.empty());
 }
+
+TEST_CASE("solver mesh of a draft: rims that keep more vertices than a draft has cost no more than themselves") {
+    // Saws of 240 vertices around both ends, of which none lies straight between its neighbours.
+    auto body = shapes::box({-0.5, -0.5, 0.0}, {0.5, 0.5, 0.5}, 60, 60, 10);
+    for (Eigen::Index v = 0; v < body.mesh.vertices.rows(); ++v) {
+        auto p = body.mesh.vertices.row(v);
+        if (p.z() > 0.0 && p.z() < 0.5) continue;
+        for (int k = 0; k < 2; ++k)
+            if (std::abs(p[k]) == 0.5 && std::lround((p[1 - k] + 0.5) * 60.0) % 2 == 1) p[k] *= 1.02;
+    }
+    const auto faces = facesOf(body);
+    REQUIRE(decimate(body.mesh, faces, SolverMeshSetting::kDraftVertices, {}).error().code == "too-few-vertices");
+    const auto solved = solvedBody(body.mesh, faces, {SolverMeshSetting::Kind::Draft, 0}, {}, false);
+    REQUIRE(solved);
+    CHECK(solved->decimated);
+    CHECK(solved->nodes() < body.mesh.vertices.rows() / 5);
+    const auto filled = solvedBody(body.mesh, faces, {SolverMeshSetting::Kind::Draft, 0}, {});
+    REQUIRE(filled);
+    CHECK(filled->decimated);
+    CHECK(filled->filling);
+}
