@@ -49,7 +49,8 @@ constexpr double kLongestEdgeOffRims = 6.0;
 constexpr double kBisected = 1.4;
 /// A body is not decimated for less.
 constexpr double kWorthIt = 0.8;
-/// One that cannot be decimated is filled as it is while it has no more than so many times the vertices that were asked for.
+/// One that has more than so many times the vertices that were asked for is decimated as far as its rims allow. What cannot be decimated at all is filled as it is: boundary elements
+/// on as many vertices would take far longer.
 constexpr int kAtMostTimes = 4;
 /// A needle has an edge shorter than this part of the longest ones at both of its ends.
 constexpr double kNeedle = 0.05;
@@ -250,8 +251,6 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
         const double most = own > kAtMostTimes * vertices ? kAsFewAsRimsAllow : kAboutAsMany;
         if (auto small = onDecimated(surface, vertices, progress, kOutlineEdge, most); small && small->mesh.mesh.vertices.rows() < kWorthIt * own) out = std::move(*small);
         if (progress.cancelled()) return cancelled();
-        // Dense rims stay as they are, and a body that meets itself cannot be filled either.
-        if (!out && own > kAtMostTimes * vertices) return fail(kNoFilling, "The body cannot be filled with tetrahedra: it has too many vertices and cannot be decimated; repair it.");
     }
     // Where cuts pass close by vertices, and where surfaces were united, bodies have needles, which TetGen fills with many tetrahedra, flat ones among them.
     if (const bool asItIs = detail.onItself && detail.rim <= 0.0; !out && !asItIs)
