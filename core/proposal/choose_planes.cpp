@@ -13,7 +13,7 @@ namespace imomushi {
 namespace {
 
 /// The first plane is chosen unless another one misplaces this part of what it does, or less, and the difference is this part of the limb's flesh.
-constexpr double kMuchBetter = 0.7;
+constexpr double kMuchBetter = 0.85;
 constexpr double kWorthIt = 0.05;
 /// A plane counts if it misplaces less than no cut at all; or takes this part of what belongs beyond it, or more, and not more than so many times as much of what does not: a hat may belong to a root at the feet.
 constexpr double kMostOfIt = 0.5, kMostOther = 2.0;
