@@ -70,7 +70,7 @@ struct SolvedBody {
 ///   volume:N, default
 ///               strips at singular edges (withLayers) and quadratic displacement: on the body where that is cheap, otherwise on a decimated one
 ///               (as it is, with linear displacement, where walls are less than 1/150 of the triangles on them)
-///   draft       a body of kDraftVertices in its place (the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
+///   draft       a body of kDraftVertices in its place (as few as rims and thin walls allow; the body itself up to twice as many, or where it cannot be decimated), strips, linear displacement; one with
 ///               handles has a thousand vertices instead of strips
 ///   best        more strips and quadratic displacement everywhere, on the body refined where it is coarse
 ///

@@ -13,10 +13,10 @@ namespace imomushi {
 namespace {
 
 /// The first plane is chosen unless another one misplaces this part of what it does, or less, and the difference is this part of the limb's flesh.
-constexpr double kMuchBetter = 0.85;
+constexpr double kBetter = 0.85;
 constexpr double kWorthIt = 0.05;
 /// A plane counts if it misplaces less than no cut at all; or takes this part of what belongs beyond it, or more, and not more than so many times as much of what does not: a hat may belong to a root at the feet.
-constexpr double kMostOfIt = 0.5, kMostOther = 2.0;
+constexpr double kLeastOfIt = 0.5, kMostOther = 2.0;
 /// Two sections cross an edge at least this part of its length apart.
 constexpr double kApart = 0.01;
 /// The search for places that go together: after so many steps without a better answer it ends; a cut that was just placed stays for some steps, and what was often moved is moved less readily.
@@ -160,7 +160,7 @@ private:
         flesh *= part;
         site.wrong = site.without - right + (flesh - right);
         if (site.volume < least_ || right <= 0.0) return std::nullopt;
-        if (site.wrong >= site.without && (right < kMostOfIt * site.without || flesh - right > kMostOther * site.without)) return std::nullopt;
+        if (site.wrong >= site.without && (right < kLeastOfIt * site.without || flesh - right > kMostOther * site.without)) return std::nullopt;
         return site;
     }
 
@@ -205,7 +205,7 @@ private:
             for (std::size_t i = 0; i < unit.cuts.size(); ++i) {
                 auto site = siteOf(i == 0 ? plane : CutPlane{mirroredPoint(*mirror_, plane.origin), mirroredDirection(*mirror_, plane.normal)}, cuts_[unit.cuts[i]].own);
                 if (!site) break;
-                place.cost += more || p > 0 ? site->wrong : std::min(kMuchBetter * site->wrong, site->wrong - kWorthIt * site->without);
+                place.cost += more || p > 0 ? site->wrong : std::min(kBetter * site->wrong, site->wrong - kWorthIt * site->without);
                 place.sites.push_back(std::move(*site));
             }
             if (place.sites.size() < unit.cuts.size()) continue;

@@ -13,7 +13,7 @@ namespace imomushi {
 
 /// A cut for which one of several planes is to be chosen.
 struct PlaneWish {
-    std::vector<CutPlane> planes;  ///< to be tried first; normals away from the root, unit. The first is chosen where it works unless another one is much better
+    std::vector<CutPlane> planes;  ///< to be tried first; normals away from the root, unit. The first is chosen where it works unless another one misplaces clearly less
     std::vector<CutPlane> more;    ///< to be tried where none of them goes together with those of other cuts
     std::vector<double> own;       ///< #V of the body, 0...1: how much of a vertex's flesh belongs beyond the cut
     int parent = -1;               ///< the next cut towards the root, -1: none

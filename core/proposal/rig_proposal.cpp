@@ -81,7 +81,7 @@ private:
     Result<Cutting> cutLimbs(double smallest, std::vector<std::pair<int, std::string>> never, const Progress& progress) const {
         const CutSurface surface(body_);
         const double least = kSmallPiece * smallest;
-        std::map<int, std::vector<CutPlane>> refused;  // of bones, by the solver's cutting
+        std::map<int, std::vector<CutPlane>> refused;  // by bone: planes that cutBody() refused
         // Each round merges a bone that no cut works for, so that those of others may change.
         for (int round = 0;; ++round) {
             const Progress part = progress.part(1.0 - std::pow(kRoundShare, round), 1.0 - std::pow(kRoundShare, round + 1));
@@ -113,6 +113,7 @@ private:
                 choices.push_back(std::move(choice));
             }
             const auto planes = choosePlanes(surface, flesh_.volume, choices, mirror_, least, part.part(0.0, 0.7));
+            if (progress.cancelled()) return fail(kCancelled, "The proposal was cancelled.");  // else bones without a plane would be merged
             const std::size_t before = never.size();
             std::vector<WishedCut> wished;
             std::vector<int> index(order.size(), -1);  // into `wished`
