@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <random>
 #include <utility>
 
 #include "core/proposal/mirror_plane.h"
@@ -19,8 +21,8 @@ constexpr double kWorthIt = 0.05;
 constexpr double kLeastOfIt = 0.5, kMostOther = 2.0;
 /// Two sections cross an edge at least this part of its length apart.
 constexpr double kApart = 0.01;
-/// The search for places that go together: after so many steps without a better answer it ends; a cut that was just placed stays for some steps, and what was often moved is moved less readily.
-constexpr int kPatience = 80, kStays = 6;
+/// The search for places that go together: after so many steps without a better answer it ends; a cut that was just placed stays for some steps, and what was often moved is moved less readily. It starts anew so many times, in other orders.
+constexpr int kPatience = 80, kStays = 6, kStarts = 32;
 constexpr double kOften = 0.05;  // of a cut that is lost
 
 /// Where a plane would cut the body, and what that would take.
@@ -72,7 +74,6 @@ public:
         for (std::size_t u = 0; u < units_.size() && !progress_.cancelled(); ++u) {
             progress_.report("skeleton", static_cast<double>(u) / static_cast<double>(units_.size()));
             add(units_[u], false);
-            placeFreely(units_[u]);
         }
         search();
         std::vector<std::optional<CutPlane>> planes(cuts_.size());
@@ -302,17 +303,46 @@ private:
         return sum;
     }
 
-    /// Places what has no place, though others lose theirs and look for another one: by what is gained most, in a tabu search.
+    /// The best of several searches: the first one places the cuts as they come, the others in orders of their own.
     void search() {
-        std::vector<int> best, stays(units_.size(), 0), moved(units_.size(), 0);
+        std::vector<std::size_t> order(units_.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::minstd_rand random(1);
+        std::vector<int> best;
         double most = -1.0;
-        for (int step = 0, since = 0; since < kPatience && !progress_.cancelled(); ++step, ++since) {
-            if (const double now = gained(); now > most + 1e-9) {
-                most = now;
-                since = 0;
-                best.clear();
-                for (const Unit& unit : units_) best.push_back(unit.chosen);
+        const auto keep = [&] {
+            const double now = gained();
+            if (now <= most + 1e-9) return false;
+            most = now;
+            best.clear();
+            for (const Unit& unit : units_) best.push_back(unit.chosen);
+            return true;
+        };
+        for (int start = 0; start < kStarts && !progress_.cancelled(); ++start) {
+            for (Unit& unit : units_) unit.chosen = -1;
+            for (const std::size_t u : order) placeFreely(units_[u]);
+            improve(keep);
+            if (std::all_of(units_.begin(), units_.end(), [](const Unit& unit) { return unit.chosen >= 0; })) break;
+            for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+        }
+        for (std::size_t u = 0; u < best.size(); ++u) units_[u].chosen = best[u];
+        for (bool better = true; better && !progress_.cancelled();) {
+            better = false;
+            for (Unit& unit : units_) {
+                if (unit.chosen < 0) continue;
+                const int before = unit.chosen;
+                placeFreely(unit);
+                better = better || unit.chosen != before;
             }
+        }
+    }
+
+    /// Places what has no place, though others lose theirs and look for another one: by what is gained most, in a tabu search. `keep` is asked whether what is chosen now is the best.
+    template <typename Keep>
+    void improve(const Keep& keep) {
+        std::vector<int> stays(units_.size(), 0), moved(units_.size(), 0);
+        keep();
+        for (int step = 0, since = 0; since < kPatience && !progress_.cancelled(); ++step, ++since) {
             std::size_t unit = units_.size();
             int to = -1;
             double gain = -1e8;
@@ -339,16 +369,7 @@ private:
                 }
             units_[unit].chosen = to;
             stays[unit] = step + kStays;
-        }
-        for (std::size_t u = 0; u < best.size(); ++u) units_[u].chosen = best[u];
-        for (bool better = true; better && !progress_.cancelled();) {
-            better = false;
-            for (Unit& unit : units_) {
-                if (unit.chosen < 0) continue;
-                const int before = unit.chosen;
-                placeFreely(unit);
-                better = better || unit.chosen != before;
-            }
+            if (keep()) since = 0;
         }
     }
 

@@ -21,7 +21,7 @@ struct PlaneWish {
 };
 
 /// Chooses a plane for each cut such that all of them work together: sections do not meet, what lies beyond a cut lies beyond the cuts towards the root as well, no piece is small. Of the planes that do, the
-/// one that misplaces least flesh; a plane counts only if it misplaces less than no cut at all. Earlier cuts choose first, and choose again where that makes room for a later one. `volume`: #V, flesh beneath each
+/// one that misplaces least flesh; a plane counts only if it misplaces less than no cut at all. As many cuts as possible get one; the search starts in several orders. `volume`: #V, flesh beneath each
 /// vertex in parts of the whole; `least`: of a piece, in the same parts; `mirror`: of twins. Per cut the plane, none: there is none. The same arguments give the same planes.
 std::vector<std::optional<CutPlane>> choosePlanes(const CutSurface& surface, std::span<const double> volume, std::span<const PlaneWish> cuts,
                                                   const std::optional<CutPlane>& mirror, double least, const Progress& progress);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <numeric>
+#include <random>
+
 #include "core/proposal/choose_planes.h"
 #include "tests/support/shapes.h"
 
@@ -90,4 +93,28 @@ TEST_CASE("choosing planes: a plane that cuts off something else than the limb d
     CHECK(!bar.choose({leg})[0]);
     CHECK(!bar.choose({backward})[0]);
     CHECK(!bar.choose({shallow})[0]);
+}
+
+TEST_CASE("choosing planes: where all cuts can have a plane, all get one, in whatever order they come") {
+    // Nine cuts along the bar, each with one plane that goes with those of all others and several slanting ones, listed first, that go with few.
+    const Bar bar;
+    int missing = 0;
+    for (unsigned seed = 0; seed < 12; ++seed) {
+        std::minstd_rand random(seed + 1);
+        const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() % 1000) / 1000.0; };
+        std::vector<std::size_t> order(9);
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+        std::vector<PlaneWish> wishes;
+        for (const std::size_t i : order) {
+            const double z = 1.6 + static_cast<double>(i);
+            PlaneWish wish = bar.wish(z, kAll);
+            for (int decoy = 0; decoy < 4; ++decoy)
+                wish.planes.push_back({Vec3(0, 0, z + between(-0.3, 0.3)), Vec3(between(-2.0, 2.0), between(-3.0, 3.0), 1.0).normalized()});
+            wish.more = {across(z)};
+            wishes.push_back(std::move(wish));
+        }
+        for (const auto& plane : bar.choose(wishes)) missing += !plane;
+    }
+    CHECK(missing == 0);
 }
