@@ -12,19 +12,9 @@ namespace {
 
 Result<Json> morph(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
-    IMOMUSHI_TRY(const auto character, characterOf(document, text(arguments, "character")));
-    const RenderModel& model = *character->model;
-    if (model.morphs.empty()) return fail("no-such-target", "The file of \"" + character->name + "\" brought no morph targets.");
-    const std::string& name = text(arguments, "target");
-    const int target = model.morphIndex(name);
-    if (target < 0) {
-        std::string known;
-        for (const MorphTarget& t : model.morphs) known += (known.empty() ? "\"" : ", \"") + t.name + "\"";
-        return fail("no-such-target", "\"" + character->name + "\" has no morph target \"" + name + "\"; it has " + known + ".");
-    }
+    IMOMUSHI_TRY(const auto ref, morphOf(document, text(arguments, "character"), text(arguments, "target")));
     IMOMUSHI_TRY(const auto weight, numberWithin(arguments.at("weight"), "weight", -kLargestMorphWeight, kLargestMorphWeight));
-    const MorphRef ref{character->id, target};
-    if (weight == model.morphs[static_cast<std::size_t>(target)].atRest)
+    if (weight == document.characters.at(ref.character)->model->morphs[static_cast<std::size_t>(ref.target)].atRest)
         document.morphs.erase(ref);
     else
         document.morphs.insert_or_assign(ref, weight);
@@ -38,11 +28,6 @@ Result<Json> showMorph(LiveCharacter& live, const Json&, Json answer) {
 }
 
 }  // namespace
-
-double morphWeight(const Document& document, const CharacterSource& character, int target) {
-    const auto set = document.morphs.find({character.id, target});
-    return set == document.morphs.end() ? character.model->morphs[static_cast<std::size_t>(target)].atRest : set->second;
-}
 
 Json morphsJson(const Document& document, const CharacterSource& character) {
     Json out = Json::array();

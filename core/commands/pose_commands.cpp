@@ -9,8 +9,10 @@
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
+#include "core/commands/meetings.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/document/morph_weights.h"
 #include "core/live/live_input.h"
 #include "core/touch/touch_contact.h"
 
@@ -270,19 +272,32 @@ Result<std::vector<StepInput>> stepInputs(const Json& list, int frames, const Do
     for (const Json& given : list) {
         if (!given.is_object()) return fail("bad-type", "An input is an object: {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}.");
         StepInput made;
+        const bool isMorph = given.contains("morph");
+        const std::initializer_list<std::string_view> ofMorph = {"frame", "character", "morph", "weight"}, ofPlace = {"frame", "endpoint", "to", "roll", "rotation"};
+        const auto& known = isMorph ? ofMorph : ofPlace;
         for (const auto& [key, value] : given.items())
-            if (key != "frame" && key != "endpoint" && key != "to" && key != "roll" && key != "rotation") return fail("unknown-key", "An input has no \"" + key + "\".");
-        if (!given.contains("frame") || !given.contains("endpoint") || !given.contains("to") || !given["endpoint"].is_string())
+            if (std::find(known.begin(), known.end(), key) == known.end()) return fail("unknown-key", "An input has no \"" + key + "\".");
+        if (isMorph && !(given.contains("frame") && given.contains("weight") && given["morph"].is_string() && given.contains("character") && given["character"].is_string()))
+            return fail("bad-type", "An input of a morph target needs \"frame\", \"character\", \"morph\" and \"weight\".");
+        if (!isMorph && !(given.contains("frame") && given.contains("to") && given.contains("endpoint") && given["endpoint"].is_string()))
             return fail("bad-type", "An input needs \"frame\", \"endpoint\" and \"to\".");
         IMOMUSHI_TRY(const auto frame, numberWithin(given["frame"], "frame", 0, frames - 1));
         made.frame = static_cast<int>(frame);
         if (!inputs.empty() && made.frame < inputs.back().frame) return fail("bad-value", "Inputs come in the order of their frames.");
+        if (isMorph) {
+            made.input.kind = LiveInput::Kind::Morph;
+            IMOMUSHI_TRY(made.input.morph, morphOf(document, text(given, "character"), text(given, "morph")));
+            IMOMUSHI_TRY(made.input.weight, numberWithin(given["weight"], "weight", -kLargestMorphWeight, kLargestMorphWeight));
+            inputs.push_back(made);
+            continue;
+        }
         const auto to = vector3(given["to"]);
         if (!to) return fail("bad-type", "\"to\" of an input must be three numbers [x,y,z].");
         made.input.target = *to;
         const std::string name = given["endpoint"].get<std::string>();
         if (const auto handle = document.handle(name)) {
             if (given.contains("roll")) return fail("unknown-key", "\"roll\" goes with ends of bones; a handle is turned by \"rotation\".");
+            made.input.kind = LiveInput::Kind::Handle;
             made.input.handle = plan.handleIndex(*handle);
             const auto held = document.handleGoals.find(*handle);
             if (held == document.handleGoals.end() || !held->second.target.held) return fail("not-held", "The handle \"" + name + "\" is not held: drag it before an input moves it.");
@@ -305,6 +320,24 @@ Result<std::vector<StepInput>> stepInputs(const Json& list, int frames, const Do
     }
     return inputs;
 }
+
+}  // namespace
+
+Result<void> pressWhatMet(SessionAccess& access, std::set<PartId>& known, Json& met, const Progress& progress) {
+    const Document& document = access.document();
+    const std::set<PartId>& now = document.effects[EffectKind::Contact].elements;
+    if (now.size() == known.size()) return {};
+    for (const PartId id : now) {
+        if (known.contains(id)) continue;
+        if (auto computed = access.responses.compute(id, progress); !computed) return tl::unexpected(computed.error());
+        met.push_back(document.elements.at(id)->name);
+    }
+    known = now;
+    access.changedResponses();
+    return {};
+}
+
+namespace {
 
 Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
     LiveCharacter& live = access.live;
@@ -353,16 +386,7 @@ Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& 
         product.push_back(stats.productMs);
         normals.push_back(stats.normalsMs);
         finite = finite && isFinite(*character, document.pose, live.plan().elements.size());
-        const std::set<PartId>& now = document.effects[EffectKind::Contact].elements;
-        if (now.size() == known.size()) continue;
-        // What met presses from the next frame on.
-        for (const PartId id : now) {
-            if (known.contains(id)) continue;
-            if (auto computed = access.responses.compute(id, progress); !computed) return tl::unexpected(computed.error());
-            met.push_back(document.elements.at(id)->name);
-        }
-        known = now;
-        access.changedResponses();
+        if (auto ok = pressWhatMet(access, known, met, progress); !ok) return tl::unexpected(ok.error());
         IMOMUSHI_TRY(character, live.built());
     }
     access.changedPose();
@@ -418,7 +442,7 @@ void addPoseCommands(CommandRegistry& registry) {
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",
                        {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."},
-                        {"inputs", Type::Array, false, "Where what is held already goes before a frame, as a hand or a device gave it: objects {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}, for an endpoint with \"roll\", for a handle with \"rotation\", frames from 0 and ascending."}},
+                        {"inputs", Type::Array, false, "Where what is held already goes before a frame, as a hand or a device gave it: objects {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}, for an endpoint with \"roll\", for a handle with \"rotation\"; or {\"frame\":0,\"character\":name,\"morph\":target,\"weight\":w}; frames from 0 and ascending."}},
                        step);
 }
 

@@ -12,6 +12,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kMostFrames = 10'000;  // that become one line of a script: a few minutes
+constexpr std::size_t kMostInputs = 50'000;  // of that line: some megabytes
 
 bool records(const Json& line, const char* action) { return line["do"] == "record" && line["action"] == action; }
 
@@ -272,6 +273,7 @@ void DocumentHistory::forgetScript() noexcept {
 void DocumentHistory::noteFrame(double seconds) {
     if (frames_.size() >= kMostFrames) flushFrames();
     frames_.push_back(seconds);
+    if (inputs_.size() >= kMostInputs) flushFrames();
 }
 
 void DocumentHistory::noteInput(Json input) {

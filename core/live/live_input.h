@@ -5,20 +5,25 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/document/document.h"
 
 namespace imomushi {
 
-/// Where something that is held already is to be from the next step on: what a hand, or any other device, gives a performance while it goes on.
+/// Where something that is held already is to be from the next step on, or how much of a morph target is seen: what a hand, or any other device, gives a performance while it
+/// goes on.
 struct LiveInput {
-    EndpointRef end;          ///< of a bone, where `handle` is -1
+    enum class Kind : std::uint8_t { End, Handle, Morph } kind = Kind::End;
+    EndpointRef end;          ///< of a bone
     int handle = -1;          ///< index in the character's plan
+    MorphRef morph;
     Vec3 target = Vec3::Zero();  ///< m, world
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, unit, world
     double roll = 0.0;        ///< radians, of an end
     bool hasRoll = false;     ///< false: it keeps its own
-    [[nodiscard]] bool sameTarget(const LiveInput& o) const { return handle == o.handle && (handle >= 0 || end == o.end); }
+    double weight = 0.0;      ///< of a morph target
+    [[nodiscard]] bool sameTarget(const LiveInput& o) const { return kind == o.kind && (kind == Kind::End ? end == o.end : kind == Kind::Handle ? handle == o.handle : morph == o.morph); }
 };
 
 /// Inputs on their way from one thread to another one, in order. Neither waits, and nothing is allocated.

@@ -61,7 +61,16 @@ bool LiveCharacter::moving() {
 bool LiveCharacter::apply(const LiveInput& input) {
     if (performed_ && performedInputs_.size() == performedInputs_.capacity()) performedInputs_.reserve(2 * performedInputs_.size() + 1);  // before anything changes
     Document& document = passing();
-    if (input.handle >= 0) {
+    if (input.kind == LiveInput::Kind::Morph) {
+        const auto character = document.characters.find(input.morph.character);
+        if (character == document.characters.end() || input.morph.target < 0 || static_cast<std::size_t>(input.morph.target) >= character->second->model->morphs.size()) return false;
+        // On another thread all are there: see beginPerforming().
+        if (!performed_ && input.weight == character->second->model->morphs[static_cast<std::size_t>(input.morph.target)].atRest)
+            document.morphs.erase(input.morph);
+        else
+            document.morphs.insert_or_assign(input.morph, input.weight);
+    } else if (input.kind == LiveInput::Kind::Handle) {
+        if (input.handle < 0 || input.handle >= static_cast<int>(plan_.handles.size())) return false;
         const auto held = document.handleGoals.find(plan_.handles[static_cast<std::size_t>(input.handle)]);
         if (held == document.handleGoals.end() || !held->second.target.held) return false;
         held->second.target.at = input.target;
@@ -76,7 +85,7 @@ bool LiveCharacter::apply(const LiveInput& input) {
         if (input.hasRoll) held->second.roll = input.roll;
         held->second.elapsed = held->second.seconds;
     }
-    wake(true);
+    wake(input.kind != LiveInput::Kind::Morph);
     if (!performed_) {
         history_.noteInput(lineOf(input));
         return true;
@@ -92,8 +101,12 @@ bool LiveCharacter::apply(const LiveInput& input) {
 }
 
 Json LiveCharacter::lineOf(const LiveInput& input) const {
+    if (input.kind == LiveInput::Kind::Morph) {
+        const CharacterSource& character = *document().characters.at(input.morph.character);
+        return {{"character", character.name}, {"morph", character.model->morphs[static_cast<std::size_t>(input.morph.target)].name}, {"weight", input.weight}};
+    }
     Json line{{"to", json(input.target)}};
-    if (input.handle >= 0) {
+    if (input.kind == LiveInput::Kind::Handle) {
         line["endpoint"] = plan_.handles[static_cast<std::size_t>(input.handle)].face;
         const Eigen::Vector4d& q = input.rotation.coeffs();
         line["rotation"] = {q.x(), q.y(), q.z(), q.w()};
@@ -168,6 +181,10 @@ void LiveCharacter::beginPerforming() {
     performedFrames_.reserve(kFramesOfStretch);
     performedInputs_.reserve(kFramesOfStretch);
     performed_ = history_.document();
+    // Room for all weights that inputs may give.
+    for (const auto& [id, character] : performed_->characters)
+        for (std::size_t t = 0; t < character->model->morphs.size(); ++t)
+            performed_->morphs.try_emplace({id, static_cast<std::int32_t>(t)}, character->model->morphs[t].atRest);
     met_ = false;
 }
 
@@ -186,6 +203,8 @@ void LiveCharacter::endPerforming() noexcept {
     document.goals = std::move(performed_->goals);
     document.handleGoals = std::move(performed_->handleGoals);
     document.turns = std::move(performed_->turns);
+    document.morphs = std::move(performed_->morphs);
+    std::erase_if(document.morphs, [&](const auto& set) { return set.second == document.characters.at(set.first.character)->model->morphs[static_cast<std::size_t>(set.first.target)].atRest; });
     if (met_) document.effects = std::move(performed_->effects);
     performed_.reset();
     if (met_) valid_ = met_ = false;

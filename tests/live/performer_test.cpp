@@ -196,6 +196,7 @@ TEST_CASE("performer: a handle on flesh that rests goes where a target says") {
     const Vec3 rest = w.session.poseOf(tip)->at;
     w.good({{"do", "drag"}, {"endpoint", "tip"}, {"to", {rest.x(), rest.y(), rest.z()}}});
     LiveInput input;
+    input.kind = LiveInput::Kind::Handle;
     input.handle = w.session.plan().handleIndex(tip);
     for (const double far : {0.1, 0.2}) {
         input.target = rest + Vec3(far, 0.0, 0.0);

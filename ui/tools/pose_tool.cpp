@@ -202,8 +202,9 @@ void PoseTool::issue(const PointerEvent& e) {
     // The first command takes hold and the last one leaves the answer in the document; in between the performance goes on, and is given where to.
     if (drag.held) {
         LiveInput input;
+        input.kind = drag.end.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;
         input.end = drag.end.end;
-        input.handle = drag.end.isHandle() ? document_.session().plan().handleIndex(drag.end.handle) : -1;
+        if (drag.end.isHandle()) input.handle = document_.session().plan().handleIndex(drag.end.handle);
         input.target = to;
         input.rotation = drag.rotation;
         input.hasRoll = drag.roll.has_value();
