@@ -767,6 +767,18 @@
             <translation>このライブ入力の記録は長すぎます。短く分けて記録してください。</translation>
         </message>
         <message>
+            <source>There is no such mapping.</source>
+            <translation>その対応づけはありません。</translation>
+        </message>
+        <message>
+            <source>This file holds no mappings of live input.</source>
+            <translation>このファイルにはライブ入力の対応づけがありません。</translation>
+        </message>
+        <message>
+            <source>There are too many mappings. Remove some first.</source>
+            <translation>対応づけが多すぎます。先にいくつか削除してください。</translation>
+        </message>
+        <message>
             <source>The file was not found.</source>
             <translation>ファイルが見つかりません。</translation>
         </message>
@@ -1665,6 +1677,22 @@
         <message>
             <source>Remove take</source>
             <translation>テイクの削除</translation>
+        </message>
+        <message>
+            <source>Map input</source>
+            <translation>入力の対応づけ</translation>
+        </message>
+        <message>
+            <source>Remove mapping</source>
+            <translation>対応づけの削除</translation>
+        </message>
+        <message>
+            <source>Load mappings</source>
+            <translation>対応づけの読み込み</translation>
+        </message>
+        <message>
+            <source>Perform</source>
+            <translation>演じる</translation>
         </message>
         <message>
             <source>Duplicate take</source>

@@ -28,6 +28,7 @@ void addAvatarCommands(CommandRegistry& registry);    // express
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
+void addMappingCommands(CommandRegistry& registry);   // map-input, unmap-input, save-mappings, load-mappings
 void addPoseCheckCommands(CommandRegistry& registry); // check-pose
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step

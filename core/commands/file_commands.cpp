@@ -4,6 +4,7 @@
 #include "core/commands/core_commands.h"
 #include "core/commands/effect_commands.h"
 #include "core/commands/handle_commands.h"
+#include "core/commands/mapping_commands.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
@@ -63,6 +64,7 @@ Json contents(const Session& session) {
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);
     answer["characters"] = charactersJson(document);
+    if (document.mappings) answer["mappings"] = shownMappings(document);
     if (const UnknownRows& unknown = document.unknown; !(unknown.effects.empty() && unknown.properties.empty() && unknown.settings.empty())) {
         Json names = Json::array();
         for (const auto& [name, state] : unknown.effects) names.push_back(name);

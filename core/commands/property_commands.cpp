@@ -8,6 +8,7 @@
 #include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
+#include "core/document/input_mapping.h"
 #include "core/document/material_preset.h"
 #include "core/document/names.h"
 
@@ -124,6 +125,7 @@ Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
 }
 
 void renameFace(Document& document, const FaceRef& face, const std::string& name) {
+    if (document.elements.at(face.element)->handleOf(face.face)) renameMapped(document, "handle", face.face, name);
     renameHandle(document, face, name);
     exchangePart(document.elements, face.element, [&](Element& element) {
         element.faces[static_cast<std::size_t>(element.faceIndex(face.face))].name = name;
@@ -149,16 +151,19 @@ Result<Json> rename(DocumentEdit& edit, const Json& arguments, const Progress&) 
     const CharacterSource* ofCut = document.characterOfCut(target);
     if (name == target && (document.elementNamed(name) || document.boneNamed(name) || document.characterNamed(name) || ofCut)) return Json::object();
     if (auto ok = checkNewName(document, name); !ok) return tl::unexpected(ok.error());
-    if (const Element* element = document.elementNamed(target))
+    if (const Element* element = document.elementNamed(target)) {
         exchangePart(document.elements, element->id, [&](Element& changed) { changed.name = name; });
-    else if (const Bone* bone = document.boneNamed(target))
+    } else if (const Bone* bone = document.boneNamed(target)) {
         exchangePart(document.bones, bone->id, [&](Bone& changed) { changed.name = name; });
-    else if (const CharacterSource* character = document.characterNamed(target))
+        renameMapped(document, "bone", target, name);
+    } else if (const CharacterSource* character = document.characterNamed(target)) {
         exchangePart(document.characters, character->id, [&](CharacterSource& changed) { changed.name = name; });
-    else if (ofCut)
+        renameMapped(document, "morph", target, name);
+    } else if (ofCut) {
         exchangePart(document.characters, ofCut->id, [&](CharacterSource& changed) { changed.cuts[static_cast<std::size_t>(changed.cutIndex(target))].name = name; });
-    else
+    } else {
         return fail("no-such-target", "There is no element, bone, character or cut \"" + target + "\" to rename.");
+    }
     return Json::object();
 }
 

@@ -181,6 +181,10 @@ struct UnknownRows {
     std::map<std::string, std::string> settings;                                      ///< of the project
 };
 
+/// What live input drives (input_mapping.h): of rows of one target the first one wins that is heard.
+struct InputMapping;
+using InputMappings = std::vector<InputMapping>;
+
 /// What the artist authors, in immutable parts: a change replaces a part by another one. Commands change it (document_edit.h); as frames pass, inverse kinematics
 /// moves `pose` and glides advance (live_character.h).
 struct Document {
@@ -196,6 +200,7 @@ struct Document {
     std::map<PartRef, TurnGoal> turns; ///< of rigid parts that are turned
     std::map<MorphRef, double> morphs; ///< weights of morph targets where they are not those at rest (MorphTarget::atRest)
     std::vector<Touch> touches;        ///< fingers that are down
+    std::shared_ptr<const InputMappings> mappings;  ///< null: nothing is mapped
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
     UnknownRows unknown;

@@ -24,6 +24,7 @@ struct InputRow {
     enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
     double after = 0.0;         ///< s; 0: it is never taken for silent (a stick that is not moved says nothing)
     bool muted = false;
+    bool operator==(const InputRow&) const = default;
 };
 
 /// What a control says becomes what a slot is: the job of each step of a performance. A slot is one number that is driven, such as the height of a handle (m, from rest) or the weight of

@@ -14,6 +14,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/try.h"
+#include "core/document/input_mapping.h"
 #include "core/project/project_content.h"
 #include "core/project/project_rows.h"
 #include "core/project/project_tables.h"
@@ -43,7 +44,7 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kMappings = "mappings", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
@@ -54,6 +55,7 @@ void writeSettings(Database& db, const Document& document) {
     const auto written = std::to_chars(follows.data(), follows.data() + follows.size(), document.settings.bodyFollows);
     settings.row(kBodyFollows, std::string(follows.data(), written.ptr));
     settings.row(kNextId, std::to_string(document.nextId));
+    if (document.mappings) settings.row(kMappings, mappingsJson(*document.mappings).dump());
     for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
 }
 
@@ -85,6 +87,13 @@ void readSettings(Database& db, Document& document) {
     document.settings.threads = static_cast<int>(number(kThreads, std::int64_t{0}, std::int64_t{1024}));
     document.settings.bodyFollows = number(kBodyFollows, 0.0, CharacterSettings::kMostFollow);
     document.nextId = static_cast<PartId>(number(kNextId, std::int64_t{1}, std::int64_t{kMaxId}));
+    // Projects in which nothing is mapped have no such row.
+    if (const auto found = all.extract(kMappings)) {
+        const Json list = Json::parse(found.mapped(), nullptr, false);
+        auto mappings = list.is_discarded() ? Result<InputMappings>(fail("bad-json", "")) : mappingsFrom(list);
+        require(mappings.has_value(), "a mapping is broken");
+        setMappings(document, std::move(*mappings));
+    }
     document.unknown.settings = std::move(all);
 }
 

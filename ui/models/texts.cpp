@@ -42,6 +42,9 @@ const std::map<std::string, const char*> kErrors = {
     {"no-port", QT_TRANSLATE_NOOP("Errors", "The port cannot be opened. Choose one from 1024 on.")},
     {"not-raw-input", QT_TRANSLATE_NOOP("Errors", "This file is no recording of live input.")},
     {"input-too-long", QT_TRANSLATE_NOOP("Errors", "This recording of live input is too long. Record shorter parts.")},
+    {"not-mapped", QT_TRANSLATE_NOOP("Errors", "There is no such mapping.")},
+    {"not-mappings", QT_TRANSLATE_NOOP("Errors", "This file holds no mappings of live input.")},
+    {"too-many-mappings", QT_TRANSLATE_NOOP("Errors", "There are too many mappings. Remove some first.")},
     {"file-not-found", QT_TRANSLATE_NOOP("Errors", "The file was not found.")},
     {"not-readable", QT_TRANSLATE_NOOP("Errors", "The file cannot be read. Check its permissions.")},
     {"not-writable", QT_TRANSLATE_NOOP("Errors", "The file cannot be written. Check the folder and its permissions.")},
@@ -225,6 +228,10 @@ const std::map<std::string, const char*> kSteps = {
     {"duplicate-take", QT_TRANSLATE_NOOP("Steps", "Duplicate take")},
     {"trim-take", QT_TRANSLATE_NOOP("Steps", "Trim take")},
     {"remove-take", QT_TRANSLATE_NOOP("Steps", "Remove take")},
+    {"map-input", QT_TRANSLATE_NOOP("Steps", "Map input")},
+    {"unmap-input", QT_TRANSLATE_NOOP("Steps", "Remove mapping")},
+    {"load-mappings", QT_TRANSLATE_NOOP("Steps", "Load mappings")},
+    {"live", QT_TRANSLATE_NOOP("Steps", "Perform")},
 };
 
 const std::map<std::string, const char*> kIssues = {

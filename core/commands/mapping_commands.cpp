@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What live input drives: the table of mappings.
+#include "core/commands/mapping_commands.h"
+
+#include <fstream>
+#include <iterator>
+
+#include "core/base/atomic_file.h"
+#include "core/commands/core_commands.h"
+#include "core/commands/document_edit.h"
+#include "core/commands/session_access.h"
+#include "core/document/command_support.h"
+#include "core/document/input_mapping.h"
+
+namespace imomushi {
+
+namespace {
+
+InputMappings mappingsOf(const Document& document) { return document.mappings ? *document.mappings : InputMappings(); }
+
+Result<Json> mapInput(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    InputMappings mappings = mappingsOf(edit.document);
+    // What is not said of a line that is there stays.
+    Json asked = arguments;
+    asked.erase("do");
+    asked.erase("position");
+    IMOMUSHI_TRY(InputMapping made, mappingFrom(asked));
+    for (const InputMapping& known : mappings)
+        if (known.sameLine(made)) {
+            Json merged = mappingJson(known);
+            merged.update(asked);
+            IMOMUSHI_TRY(made, mappingFrom(merged));
+            break;
+        }
+    if (auto there = mappedTarget(edit.document, made.target); !there) return tl::unexpected(there.error());
+    std::optional<std::size_t> place;
+    if (const Json* given = find(arguments, "position")) {
+        IMOMUSHI_TRY(const auto position, numberWithin(*given, "position", 0, InputMapping::kMost));
+        place = static_cast<std::size_t>(position);
+    }
+    IMOMUSHI_TRY(const auto at, putMapping(mappings, std::move(made), place));
+    const std::size_t count = mappings.size();
+    setMappings(edit.document, std::move(mappings));
+    return Json{{"position", at}, {"mappings", count}};
+}
+
+Result<Json> unmapInput(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    InputMappings mappings = mappingsOf(edit.document);
+    const auto asked = [&](const char* key, const std::string& is) {
+        const Json* given = find(arguments, key);
+        return !given || *given == is;
+    };
+    const Json* component = find(arguments, "component");
+    const std::size_t removed = std::erase_if(mappings, [&](const InputMapping& m) {
+        return asked("source", m.row.source) && asked("channel", m.row.channel) && asked("target", m.target) && (!component || *component == m.row.component);
+    });
+    if (removed == 0) return fail("not-mapped", "There is no such mapping; \"list\" shows all.");
+    const std::size_t count = mappings.size();
+    setMappings(edit.document, std::move(mappings));
+    return Json{{"removed", removed}, {"mappings", count}};
+}
+
+Result<Json> saveMappings(SessionAccess& access, const Json& arguments, const Progress&) {
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
+    const InputMappings mappings = mappingsOf(access.document());
+    if (auto written = writeFileAtomically(path, mappingsText(mappings)); !written) return tl::unexpected(written.error());
+    return Json{{"mappings", mappings.size()}};
+}
+
+Result<Json> loadMappings(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return fail("file-not-found", "There is no file \"" + path.string() + "\": check its path.");
+    std::ifstream file(path, std::ios::binary);
+    if (!std::filesystem::is_regular_file(path, error) || !file) return fail("not-readable", "\"" + path.string() + "\" cannot be read: check its permissions.");
+    std::string text(kMostMappingBytes + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    IMOMUSHI_TRY(auto loaded, mappingsFromText(text));
+    InputMappings mappings = mappingsOf(edit.document);
+    Json missing = Json::array();
+    const std::size_t count = loaded.size();
+    for (InputMapping& mapping : loaded) {
+        if (!mappedTarget(edit.document, mapping.target)) missing.push_back(mapping.target);
+        if (auto ok = putMapping(mappings, std::move(mapping)); !ok) return tl::unexpected(ok.error());
+    }
+    Json answer{{"loaded", count}, {"mappings", mappings.size()}, {"missing", std::move(missing)}};
+    setMappings(edit.document, std::move(mappings));
+    return answer;
+}
+
+}  // namespace
+
+Json shownMappings(const Document& document) {
+    Json list = mappingsJson(*document.mappings);
+    for (Json& line : list)
+        if (!mappedTarget(document, text(line, "target"))) line["missing"] = true;
+    return list;
+}
+
+void addMappingCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addChange("map-input",
+                       "Lets a number of live input drive a number of the character, or changes how it does: a row of the table of mappings. Of rows with one target the first one wins that is heard. "
+                       "A line is known by source, channel, component and target; of one that is there, keys left out stay as they are.",
+                       {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", or another name."},
+                        {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad."},
+                        {"component", Type::Integer, false, "Which number of the channel, from 0 (0)."},
+                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"morph/CHARACTER/NAME\" (its weight)."},
+                        {"in", Type::Array, false, "The range of the control [low, high] ([0,1]); values beyond are at its ends. One that has 0 within has its middle there."},
+                        {"out", Type::Array, false, "What the ends become, in the unit of the target (as \"in\"); the first may be the larger one."},
+                        {"exponent", Type::Number, false, "Of the curve, 1/16 to 16: 1 straight, more is finer near the beginning or the middle (1)."},
+                        {"dead_zone", Type::Number, false, "Part of the range next to its beginning or middle that counts as that, 0 to 0.99 (0)."},
+                        {"hertz", Type::Number, false, "Smoothing by a one-euro filter: the cutoff of what stands still, 0 none (0)."},
+                        {"reaction", Type::Number, false, "How much the cutoff rises with the speed of the control, Hz per unit and second (0)."},
+                        {"silence", Type::Text, false, "What happens where its source falls silent: \"hold\", \"rest\" (it glides there) or \"next\" (the next row of the target drives it) (hold)."},
+                        {"after", Type::Number, false, "Seconds after which a source counts as silent, up to 3600; 0: never (0)."},
+                        {"mute", Type::Boolean, false, "It drives nothing (false)."},
+                        {"solo", Type::Boolean, false, "Rows that are not solo are muted (false)."},
+                        {"position", Type::Integer, false, "Its place in the table, from 0 (where it is, a new one at the end)."}},
+                       mapInput);
+    registry.addChange("unmap-input", "Removes mappings: those that all the given keys name; all without keys.",
+                       {{"source", Type::Text, false, "Of this source alone."}, {"channel", Type::Text, false, "Of this channel alone."}, {"component", Type::Integer, false, "Of this number alone."}, {"target", Type::Text, false, "Of this target alone."}}, unmapInput);
+    registry.addAction("save-mappings", "Writes the table of mappings into a file, for other projects.", {{"path", Type::Text, true, "The file, JSON."}}, saveMappings);
+    registry.addChange("load-mappings", "Adds the mappings of a file; lines that are there become those of the file. \"missing\": targets that are not there, whose rows wait for them.",
+                       {{"path", Type::Text, true, "A file that save-mappings made."}}, loadMappings);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/document/command.h"
+#include "core/document/document.h"
+#include "core/input/input_mapper.h"
+
+namespace imomushi {
+
+/// A row of the table of mappings: which number of which channel drives what. Names are kept, not ids, so that rows can go from one character to another one; a row whose target is not there waits for it.
+struct InputMapping {
+    static constexpr std::size_t kMost = 1024;      ///< rows of a table
+    static constexpr std::size_t kLongestTarget = 4096;  ///< bytes
+    static constexpr double kLargestExponent = 16.0, kLargestDeadZone = 0.99, kLargestHertz = 1000.0, kLongestAfter = 3600.0;
+    InputRow row;        ///< without its slot
+    std::string target;  ///< see mappedTarget()
+    bool solo = false;   ///< where one row is, those that are not are muted
+    bool operator==(const InputMapping&) const = default;
+    /// The same control drives the same target: a table has one such row.
+    [[nodiscard]] bool sameLine(const InputMapping& o) const { return row.source == o.row.source && row.channel == o.row.channel && row.component == o.row.component && target == o.target; }
+};
+
+/// One number of a character that can be driven, 0 at rest but for morph targets.
+struct MappedTarget {
+    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, Morph } kind = Kind::Morph;
+    int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, world): 0 x, 1 y, 2 z
+    FaceRef handle;
+    EndpointRef end;
+    MorphRef morph;
+};
+
+/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "morph/CHARACTER/NAME". Errors: "bad-value", and of names those of handleNamed(), Document::endpoint() and morphOf().
+Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
+
+/// As commands, projects and files of mappings write a row; all keys but source, channel and target may be left out. Errors: "bad-type", "bad-value", "missing-key", "unknown-key".
+Json mappingJson(const InputMapping& mapping);
+Result<InputMapping> mappingFrom(const Json& value);
+Json mappingsJson(const InputMappings& mappings);
+/// Errors: those of mappingFrom(), "too-many-mappings".
+Result<InputMappings> mappingsFrom(const Json& list);
+
+/// Puts a row at a place of a table, in the stead of the same line where there is one; without a place it stays there, or goes to the end. Errors: "too-many-mappings".
+Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, std::optional<std::size_t> place = std::nullopt);
+/// Makes this the table of the document, which keeps its own where they are alike.
+void setMappings(Document& document, InputMappings mappings);
+/// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character).
+void renameMapped(Document& document, std::string_view kind, std::string_view from, std::string_view to);
+
+/// The text of a file of mappings, and the rows of one, which nobody trusts. Errors of mappingsFromText(): "not-mappings" with the reason.
+std::string mappingsText(const InputMappings& mappings);
+Result<InputMappings> mappingsFromText(const std::string& text);
+inline constexpr std::size_t kMostMappingBytes = std::size_t{4} << 20;  ///< of such a file
+
+}  // namespace imomushi
