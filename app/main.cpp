@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/build_facts.h"
+#include "app/headless/live_command.h"
 #include "app/headless/runner.h"
 #include "core/project/version.h"
 #include "core/worker/worker.h"
@@ -19,6 +20,7 @@ constexpr const char* kUsage =
     "imomushi run [--keep-going] SCRIPT\n"
     "                                 performs a script without a display (\"-\": standard input)\n"
     "imomushi run --help              all commands of a script, with their keys\n"
+    "imomushi live --help             performs a project by OSC and VMC, without a display; replay does what was recorded again\n"
     "imomushi --version\n"
     "imomushi --help\n";
 
@@ -29,6 +31,7 @@ int main(int argc, char** argv) {
     if (first == "worker") return imomushi::workerMain();
     imomushi::setWorkerProgram("/proc/self/exe");
     if (first == "run") return imomushi::runMain(std::vector<std::string>(argv + 2, argv + argc), std::cin, std::cout, std::cerr);
+    if (first == "live" || first == "replay") return imomushi::liveMain(std::vector<std::string>(argv + 1, argv + argc), std::cout, std::cerr);
     if (first == "--version") {
         std::cout << "imomushi " << imomushi::kVersion << "\ncommit " << imomushi::kCommit << "\nbuilt with " << imomushi::kLibraries << "\n";
         return 0;

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <set>
 
+#include "app/headless/live_command.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/session.h"
 #include "core/document/command_support.h"
@@ -92,6 +93,7 @@ CommandRegistry headlessRegistry() {
     CommandRegistry registry;
     addCoreCommands(registry);
     addReportCommands(registry);
+    addLiveCommands(registry);
 #ifdef IMOMUSHI_RENDER_COMMAND
     addRenderCommand(registry);
 #endif

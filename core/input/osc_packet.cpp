@@ -145,6 +145,16 @@ bool readElement(std::string_view bytes, int depth, const std::function<bool(con
 
 }  // namespace
 
+std::string oscMessage(std::string_view address, std::string_view text, std::int32_t number) {
+    std::string made;
+    for (const std::string_view part : {address, std::string_view(",si"), text}) {
+        made += part;
+        made.append(4 - part.size() % 4, '\0');
+    }
+    for (int shift = 24; shift >= 0; shift -= 8) made += static_cast<char>(static_cast<std::uint32_t>(number) >> shift & 0xFF);
+    return made;
+}
+
 bool readOscPacket(std::span<const std::byte> packet, const std::function<bool(const OscMessage&)>& take) {
     return readElement({reinterpret_cast<const char*>(packet.data()), packet.size()}, 0, take);
 }

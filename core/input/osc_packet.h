@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace imomushi {
@@ -27,5 +29,8 @@ struct OscMessage {
 /// Reads a packet of OSC 1.0, a message or a bundle of them. By hand: oscpack 1.1.0 reads beyond a message whose blob is longer than it. `take` says whether a message is sound. False: the packet or one of its messages is malformed, or bundles are nested deeper
 /// than four times. Messages before the broken one were handed to `take` by then.
 bool readOscPacket(std::span<const std::byte> packet, const std::function<bool(const OscMessage&)>& take);
+
+/// A message of a text and a whole number.
+std::string oscMessage(std::string_view address, std::string_view text, std::int32_t number);
 
 }  // namespace imomushi

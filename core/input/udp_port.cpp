@@ -24,10 +24,12 @@ constexpr std::size_t kMostPorts = 64;
 
 }  // namespace
 
-UdpPort::UdpPort(UdpPort&& other) noexcept : socket_(std::exchange(other.socket_, -1)), port_(other.port_) {}
+UdpPort::UdpPort(UdpPort&& other) noexcept : socket_(std::exchange(other.socket_, -1)), port_(other.port_), sender_(other.sender_), senderPort_(other.senderPort_) {}
 UdpPort& UdpPort::operator=(UdpPort&& other) noexcept {
     std::swap(socket_, other.socket_);
     std::swap(port_, other.port_);
+    std::swap(sender_, other.sender_);
+    std::swap(senderPort_, other.senderPort_);
     return *this;
 }
 UdpPort::~UdpPort() {
@@ -53,9 +55,22 @@ Result<UdpPort> UdpPort::listen(std::uint16_t port, From from) {
 }
 
 std::optional<std::size_t> UdpPort::take(std::span<std::byte> room) {
-    const ssize_t size = ::recv(socket_, room.data(), room.size(), MSG_TRUNC);
+    sockaddr_in from{};
+    socklen_t length = sizeof from;
+    const ssize_t size = ::recvfrom(socket_, room.data(), room.size(), MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &length);
     if (size < 0) return std::nullopt;
+    sender_ = from.sin_addr.s_addr;
+    senderPort_ = from.sin_port;
     return static_cast<std::size_t>(size);
+}
+
+bool UdpPort::answer(std::span<const std::byte> bytes) {
+    if (senderPort_ == 0 || (ntohl(sender_) >> 24) != 127) return false;
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = senderPort_;
+    to.sin_addr.s_addr = sender_;
+    return ::sendto(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), sizeof to) == static_cast<ssize_t>(bytes.size());
 }
 
 void UdpPort::wait(std::span<const UdpPort> ports, std::chrono::steady_clock::time_point until) {

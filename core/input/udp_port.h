@@ -25,6 +25,8 @@ public:
     [[nodiscard]] std::uint16_t port() const { return port_; }
     /// The next datagram, in `room`, and how long it is: longer than `room`, then it was cut. None waits: none.
     std::optional<std::size_t> take(std::span<std::byte> room);
+    /// To whoever sent what was taken last, where that is a program of this machine. False: it is not, or it was not sent.
+    bool answer(std::span<const std::byte> bytes);
     /// Returns when one of the ports has a datagram, or at that time. At most 64 ports.
     static void wait(std::span<const UdpPort> ports, std::chrono::steady_clock::time_point until);
 
@@ -32,6 +34,8 @@ private:
     UdpPort(int socket, std::uint16_t port) : socket_(socket), port_(port) {}
     int socket_ = -1;
     std::uint16_t port_ = 0;
+    std::uint32_t sender_ = 0;  // of what was taken last, as the network writes it
+    std::uint16_t senderPort_ = 0;
 };
 
 }  // namespace imomushi

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/headless/live_command.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <iostream>
+#include <optional>
+#include <thread>
+
+#include "app/headless/live_performance.h"
+#include "core/document/command_support.h"
+#include "core/input/osc_packet.h"
+#include "core/input/udp_port.h"
+
+namespace imomushi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kStepSeconds = 1.0 / 60.0;
+constexpr double kLongestLive = 86400.0;  // s
+/// Of one port between two steps: more than anybody sends. The rest waits for the next step.
+constexpr int kMostPacketsOfStep = 4096;
+/// Who asks for the names is not answered more often.
+constexpr std::chrono::seconds kBetweenLists(1);
+
+/// SIGINT and SIGTERM end a performance, and not the program, while one of these lives.
+class Interruption {
+public:
+    Interruption() {
+        interrupted_ = false;
+        struct sigaction action = {};
+        action.sa_handler = [](int) { interrupted_ = true; };
+        ::sigaction(SIGINT, &action, &formerInt_);
+        ::sigaction(SIGTERM, &action, &formerTerm_);
+    }
+    ~Interruption() {
+        ::sigaction(SIGINT, &formerInt_, nullptr);
+        ::sigaction(SIGTERM, &formerTerm_, nullptr);
+    }
+    Interruption(const Interruption&) = delete;
+    Interruption& operator=(const Interruption&) = delete;
+    [[nodiscard]] static bool came() { return interrupted_; }
+
+private:
+    static inline std::atomic<bool> interrupted_ = false;
+    struct sigaction formerInt_ = {}, formerTerm_ = {};
+};
+
+struct Listening {
+    std::vector<RawSource> sources;
+    std::vector<UdpPort> ports;
+};
+
+Result<Listening> listen(const Json& list, UdpPort::From from) {
+    Listening made;
+    if (list.empty() || list.size() > RawInputs::kMostSources) return fail("bad-value", "\"sources\" must name 1 to " + std::to_string(RawInputs::kMostSources) + " senders.");
+    for (const Json& given : list) {
+        if (!given.is_object()) return fail("bad-type", "A source is an object: {\"protocol\":\"osc\",\"port\":9000}.");
+        for (const auto& [key, value] : given.items())
+            if (key != "protocol" && key != "port" && key != "name") return fail("unknown-key", "A source has no \"" + key + "\".");
+        const Json* called = find(given, "protocol");
+        const auto protocol = called && called->is_string() ? protocolNamed(called->get_ref<const std::string&>()) : std::nullopt;
+        if (!protocol || (*protocol != InputProtocol::Osc && *protocol != InputProtocol::Vmc)) return fail("bad-value", "\"protocol\" of a source is \"osc\" or \"vmc\".");
+        RawSource source{std::string(protocolName(*protocol)), *protocol};
+        if (const Json* name = find(given, "name")) {
+            if (!name->is_string() || name->get_ref<const std::string&>().empty() || !InputName::fits(name->get_ref<const std::string&>())) return fail("bad-value", "\"name\" of a source must be a short text.");
+            source.name = name->get<std::string>();
+        }
+        if (std::any_of(made.sources.begin(), made.sources.end(), [&](const RawSource& s) { return s.name == source.name; }))
+            return fail("bad-value", "Two sources are called \"" + source.name + "\": give one another \"name\".");
+        if (!given.contains("port")) return fail("missing-key", "A source needs \"protocol\" and \"port\".");
+        IMOMUSHI_TRY(const auto port, numberWithin(given["port"], "port", 0, 65535));
+        IMOMUSHI_TRY(auto opened, UdpPort::listen(static_cast<std::uint16_t>(port), from));
+        std::cerr << "Listening to " << source.name << " on " << (from == UdpPort::From::Loopback ? "127.0.0.1:" : "0.0.0.0:") << opened.port() << "\n" << std::flush;
+        made.sources.push_back(std::move(source));
+        made.ports.push_back(std::move(opened));
+    }
+    return made;
+}
+
+/// Sends the address of everything that can be driven, one by one, and how many there are.
+void sendNames(const Document& document, UdpPort& port) {
+    const std::vector<DirectName> names = directNames(document);
+    const auto send = [&port](const std::string& bytes) { return port.answer(std::as_bytes(std::span(bytes))); };
+    for (const DirectName& name : names)
+        if (!send(oscMessage("/imomushi/name", name.address, name.count))) return;
+    (void)send(oscMessage("/imomushi/names", "", static_cast<std::int32_t>(names.size())));
+}
+
+Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    double longest = kLongestLive;
+    if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
+    IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback));
+    IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, kStepSeconds));
+    std::optional<RawInputWriter> recording;
+    if (const Json* path = find(arguments, "record")) {
+        IMOMUSHI_TRY(recording, RawInputWriter::begin(path->get<std::string>(), heard.sources, kStepSeconds));
+    }
+    const Interruption interruption;
+    const Clock::time_point start = Clock::now();
+    const auto stepTime = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStepSeconds));
+    Clock::time_point until = start, listed = start - kBetweenLists;
+    std::vector<std::byte> room(InputDecoder::kLongestPacket);
+    std::vector<double> milliseconds, latency;  // of each step; from its first packet until it was made
+    std::uint64_t tooLong = 0, late = 0;
+    const auto frames = static_cast<std::size_t>(longest / kStepSeconds + 0.5);
+    const auto since = [](Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
+    const auto failed = [&](const Error& error) {
+        performance.cancel();
+        return tl::unexpected(error);
+    };
+    while (performance.steps() < frames && !Interruption::came() && !progress.cancelled()) {
+        until += stepTime;
+        if (const auto now = Clock::now(); now > until + stepTime) {
+            ++late;
+            until = now;
+        }
+        std::optional<Clock::time_point> first;
+        std::vector<int> left(heard.ports.size(), kMostPacketsOfStep);
+        for (bool again = true; again;) {
+            UdpPort::wait(heard.ports, until);
+            again = Clock::now() < until && !Interruption::came();
+            for (std::size_t i = 0; i < heard.ports.size(); ++i)
+                for (; left[i] > 0; --left[i]) {
+                    const auto size = heard.ports[i].take(room);
+                    if (!size) break;
+                    if (*size == 0 || *size > room.size()) {
+                        ++tooLong;
+                        continue;
+                    }
+                    const Clock::time_point now = Clock::now();
+                    if (!first) first = now;
+                    const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(now - start).count();
+                    const std::span<const std::byte> packet = std::span(room).first(*size);
+                    if (recording) recording->packet(i, nanoseconds, packet);
+                    performance.take(i, nanoseconds, packet, [&] {
+                        if (now - listed < kBetweenLists) return;
+                        listed = now;
+                        sendNames(access.document(), heard.ports[i]);
+                    });
+                }
+            if (std::all_of(left.begin(), left.end(), [](int l) { return l == 0; })) {
+                std::this_thread::sleep_until(until);
+                break;
+            }
+        }
+        const Clock::time_point began = Clock::now();
+        if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
+        if (recording) recording->endStep();
+        const Clock::time_point made = Clock::now();
+        milliseconds.push_back(since(began, made));
+        if (first) latency.push_back(since(*first, made));
+    }
+    auto answer = performance.end(progress);
+    if (!answer) return failed(answer.error());
+    if (recording)
+        if (auto whole = recording->finish(); !whole) (*answer)["not_recorded"] = whole.error().message;
+    (*answer)["too_long"] = tooLong;
+    (*answer)["late"] = late;
+    (*answer)["ms_per_step"] = summary(std::move(milliseconds));
+    (*answer)["latency_ms"] = summary(std::move(latency));
+    return answer;
+}
+
+Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress& progress) {
+    IMOMUSHI_TRY(const auto path, pathFrom(arguments));
+    IMOMUSHI_TRY(const auto inputs, RawInputs::read(path));
+    IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, inputs.sources, inputs.seconds));
+    const auto failed = [&](const Error& error) {
+        performance.cancel();
+        return tl::unexpected(error);
+    };
+    auto packet = inputs.packets.begin();
+    while (performance.steps() < inputs.steps) {
+        if (progress.cancelled()) return failed({kCancelled, "Replaying was cancelled."});
+        for (; packet != inputs.packets.end() && packet->step == performance.steps(); ++packet) performance.take(packet->source, packet->nanoseconds, inputs.bytesOf(*packet));
+        if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
+    }
+    auto answer = performance.end(progress);
+    if (!answer) return failed(answer.error());
+    (*answer)["cut"] = inputs.cut;
+    return answer;
+}
+
+}  // namespace
+
+void addLiveCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addAction("live",
+                       "Performs the character by what other programs send, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
+                       "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\"; \"/imomushi/list\" is answered by all of them. "
+                       "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
+                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}. Port 0 is any that is free; standard error tells it."},
+                        {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
+                        {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
+                        {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."}},
+                       live);
+    registry.addAction("replay", "Performs the character by a recording of \"live\", as fast as it can: what was begun alike ends in the same bytes. \"cut\": the recording ended within a step.",
+                       {{"path", Type::Text, true, "A file that live recorded."}}, replay);
+}
+
+}  // namespace imomushi

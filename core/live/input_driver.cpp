@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/live/input_driver.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/base/rotation_vector.h"
+#include "core/document/command_support.h"
+#include "core/document/morph_weights.h"
+#include "core/document/names.h"
+#include "core/mesh/bounds.h"
+
+namespace imomushi {
+
+namespace {
+
+using Kind = MappedTarget::Kind;
+
+/// Direct names tell places within this, m: what is farther is not meant, and numbers keep their digits.
+constexpr double kFarthestDirect = 1e6;
+constexpr double kLargestDirectAngle = 100.0;  // radians
+
+/// Which of Driven::slots a target is.
+std::size_t slotOf(const MappedTarget& target) {
+    switch (target.kind) {
+        case Kind::HandlePlace:
+        case Kind::EndPlace: return static_cast<std::size_t>(target.axis);
+        case Kind::HandleTurn: return static_cast<std::size_t>(3 + target.axis);
+        case Kind::EndRoll: return 3;
+        case Kind::Morph: return 0;
+    }
+    return 0;
+}
+
+/// A control that says the number itself, within these bounds, and not how far it is from `rest`.
+ResponseCurve direct(double rest, double bound) {
+    ResponseCurve curve;
+    curve.inLow = -bound, curve.inHigh = bound;
+    curve.outLow = -bound - rest, curve.outHigh = bound - rest;
+    return curve;
+}
+
+}  // namespace
+
+struct InputDriver::Tables {
+    const Document& document;
+    const CharacterPlan& plan;
+    std::vector<Driven> driven;
+    std::vector<InputRow> rows;
+    std::vector<double> shown, rest;
+
+    /// Null: the character has no such thing.
+    Driven* find(const MappedTarget& target) {
+        Driven made;
+        LiveInput& input = made.input;
+        if (target.kind == Kind::Morph) {
+            input.kind = LiveInput::Kind::Morph;
+            input.morph = target.morph;
+            input.weight = morphWeight(document, *document.characters.at(target.morph.character), target.morph.target);
+        } else if (target.kind == Kind::HandlePlace || target.kind == Kind::HandleTurn) {
+            input.kind = LiveInput::Kind::Handle;
+            input.handle = plan.handleIndex(target.handle);
+            if (input.handle < 0) return nullptr;
+            input.target = made.rest = faceOf(document, target.handle).frame.origin;
+            if (const auto goal = document.handleGoals.find(target.handle); goal != document.handleGoals.end() && goal->second.target.held) {
+                input.target = goal->second.now().at;
+                input.rotation = goal->second.now().rotation;
+                made.turn = rotationVector(input.rotation);
+            }
+        } else {
+            input.kind = LiveInput::Kind::End;
+            const int point = plan.pointIndex(target.end);
+            if (point < 0) return nullptr;
+            // Ends of several bones may be the same point.
+            input.end = std::find_if(plan.points.begin(), plan.points.end(), [&](const auto& end) { return end.second == point; })->first;
+            input.target = made.rest = plan.input.skeleton.points[static_cast<std::size_t>(point)];
+            for (const auto& [end, goal] : document.goals)
+                if (plan.pointIndex(end) == point) {
+                    input.target = goal.target;
+                    input.roll = goal.roll.value_or(0.0);
+                    input.hasRoll = goal.roll.has_value();
+                }
+        }
+        const auto known = std::find_if(driven.begin(), driven.end(), [&](const Driven& d) { return d.input.sameTarget(input); });
+        if (known != driven.end()) return &*known;
+        return &driven.emplace_back(made);
+    }
+
+    void add(InputRow row, const MappedTarget& target) {
+        Driven* thing = find(target);
+        if (!thing) return;
+        int& slot = thing->slots[slotOf(target)];
+        if (slot < 0) {
+            slot = static_cast<int>(shown.size());
+            const auto axis = static_cast<Eigen::Index>(target.axis);
+            switch (target.kind) {
+                case Kind::HandlePlace:
+                case Kind::EndPlace: shown.push_back(thing->input.target[axis] - thing->rest[axis]); break;
+                case Kind::HandleTurn: shown.push_back(thing->turn[axis]); break;
+                case Kind::EndRoll: shown.push_back(thing->input.roll); break;
+                case Kind::Morph: shown.push_back(thing->input.weight); break;
+            }
+            rest.push_back(target.kind == Kind::Morph ? document.characters.at(target.morph.character)->model->morphs[static_cast<std::size_t>(target.morph.target)].atRest : 0.0);
+        }
+        row.slot = slot;
+        rows.push_back(std::move(row));
+    }
+
+    double restOf(const MappedTarget& target) {
+        const Driven* thing = target.kind == Kind::HandlePlace || target.kind == Kind::EndPlace ? find(target) : nullptr;
+        return thing ? thing->rest[target.axis] : 0.0;
+    }
+
+    [[nodiscard]] bool solo() const { return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; }); }
+
+    void addMappings() {
+        if (!document.mappings) return;
+        for (const InputMapping& mapping : *document.mappings) {
+            const auto target = mappedTarget(document, mapping.target);
+            if (!target) continue;
+            InputRow row = mapping.row;
+            row.muted = row.muted || (!mapping.solo && solo());
+            add(std::move(row), *target);
+        }
+    }
+
+    void addDirectNames(std::span<const std::string> sources) {
+        if (sources.empty()) return;
+        for (const DirectName& name : directNames(document))
+            for (int i = 0; i < name.count; ++i) {
+                const MappedTarget& target = name.targets[static_cast<std::size_t>(i)];
+                InputRow row;
+                row.channel = name.address;
+                row.component = i;
+                row.muted = solo();
+                row.curve = target.kind == Kind::Morph ? direct(0.0, kLargestMorphWeight)
+                            : target.kind == Kind::HandleTurn || target.kind == Kind::EndRoll ? direct(0.0, kLargestDirectAngle)
+                                                                                              : direct(restOf(target), kFarthestDirect);
+                for (const std::string& source : sources) {
+                    row.source = source;
+                    add(row, target);
+                }
+            }
+    }
+};
+
+InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources)
+    : InputDriver([&] {
+          Tables tables{document, plan, {}, {}, {}, {}};
+          tables.addMappings();
+          tables.addDirectNames(oscSources);
+          return tables;
+      }()) {}
+
+InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
+
+std::span<const LiveInput> InputDriver::step(double seconds) {
+    mapper_.step(seconds);
+    moved_.clear();
+    for (Driven& driven : driven_) {
+        if (std::none_of(driven.slots.begin(), driven.slots.end(), [&](int slot) { return slot >= 0 && mapper_.moved(slot); })) continue;
+        LiveInput& input = driven.input;
+        const auto put = [&](std::size_t slot, double& to, double rest) {
+            if (driven.slots[slot] >= 0) to = rest + mapper_.shown(driven.slots[slot]);
+        };
+        if (input.kind == LiveInput::Kind::Morph) {
+            put(0, input.weight, 0.0);
+        } else {
+            for (std::size_t k = 0; k < 3; ++k) put(k, input.target[static_cast<Eigen::Index>(k)], driven.rest[static_cast<Eigen::Index>(k)]);
+            if (input.kind == LiveInput::Kind::End) {
+                put(3, input.roll, 0.0);
+                input.hasRoll = input.hasRoll || (driven.slots[3] >= 0 && mapper_.winner(driven.slots[3]) >= 0);
+            } else {
+                for (std::size_t k = 0; k < 3; ++k) put(3 + k, driven.turn[static_cast<Eigen::Index>(k)], 0.0);
+                if (driven.slots[3] >= 0 || driven.slots[4] >= 0 || driven.slots[5] >= 0) input.rotation = rotationOf(driven.turn);
+            }
+        }
+        moved_.push_back(input);
+    }
+    return moved_;
+}
+
+void InputDriver::hold(const LiveInput& moved, const Vec3& at, const Eigen::Quaterniond& rotation, double roll) {
+    for (Driven& driven : driven_) {
+        LiveInput& input = driven.input;
+        if (!input.sameTarget(moved)) continue;
+        input.target = at;
+        input.rotation = rotation;
+        input.roll = roll;
+        driven.turn = rotationVector(rotation);
+        const Vec3 place = at - driven.rest;
+        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? roll : driven.turn.x(), driven.turn.y(), driven.turn.z()};
+        for (std::size_t k = 0; k < shown.size(); ++k)
+            if (driven.slots[k] >= 0) mapper_.setByHand(driven.slots[k], false, shown[k]);
+    }
+}
+
+std::vector<DirectName> directNames(const Document& document) {
+    std::vector<DirectName> names;
+    const auto add = [&](const std::string& address, const MappedTarget& target, int count) {
+        if (!InputName::fits(address)) return;
+        DirectName name{address, {}, count};
+        name.targets.fill(target);
+        for (int i = 0; i < count; ++i) name.targets[static_cast<std::size_t>(i)].axis = i;
+        names.push_back(std::move(name));
+    };
+    const std::string root = "/imomushi/";
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) {
+            MappedTarget target;
+            target.handle = {id, handle.face};
+            target.kind = Kind::HandlePlace;
+            add(root + "handle/" + handle.face + "/position", target, 3);
+            target.kind = Kind::HandleTurn;
+            add(root + "handle/" + handle.face + "/turn", target, 3);
+        }
+    for (const auto& [id, bone] : document.bones)
+        for (const bool atEnd : {false, true}) {
+            MappedTarget target;
+            target.end = {id, atEnd};
+            const std::string of = root + "bone/" + endpointText(document, target.end);
+            target.kind = Kind::EndPlace;
+            add(of + "/position", target, 3);
+            target.kind = Kind::EndRoll;
+            add(of + "/roll", target, 1);
+        }
+    for (const auto& [id, character] : document.characters)
+        for (std::size_t t = 0; t < character->model->morphs.size(); ++t) {
+            MappedTarget target;
+            target.kind = Kind::Morph;
+            target.morph = {id, static_cast<std::int32_t>(t)};
+            add(root + "morph/" + character->name + "/" + character->model->morphs[t].name, target, 1);
+        }
+    return names;
+}
+
+}  // namespace imomushi

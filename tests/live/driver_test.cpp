@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "core/input/input_decoder.h"
+#include "core/input/osc_packet.h"
+#include "core/live/input_driver.h"
+#include "core/mesh/render_model.h"
+#include "tests/document/workbench.h"
+#include "tests/support/allocations.h"
+
+using namespace imomushi;
+
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;
+const std::vector<std::string> kOsc = {"osc"};
+
+/// A chain with a handle, and a man who can smile.
+struct Puppet : Workbench {
+    Puppet() {
+        buildChain();
+        good({{"do", "handle"}, {"element", "B"}, {"name", "tip"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.4}});
+        session.services().importCharacter = [](const ImportRequest& request, const Progress& progress) {
+            auto file = characterFile(request, progress);
+            for (const char* name : {"smile", "frown"}) {
+                MorphTarget target;
+                target.name = name;
+                target.vertices = {0};
+                target.deltas.setConstant(1, 3, 0.01);
+                file->renderModel.morphs.push_back(target);
+            }
+            return file;
+        };
+        good({{"do", "import-character"}, {"path", "ball"}, {"name", "man"}});
+        REQUIRE(session.builtCharacter());
+    }
+    InputDriver driver() { return InputDriver(session.document(), session.plan(), kOsc); }
+    void map(const std::string& channel, const std::string& target, const Json& more = Json::object()) {
+        Json line{{"do", "map-input"}, {"source", "face"}, {"channel", channel}, {"target", target}};
+        line.update(more);
+        good(line);
+    }
+};
+
+InputValue said(const std::string& source, const std::string& channel, std::initializer_list<double> numbers) {
+    InputValue made;
+    made.source = InputName(source);
+    made.channel = InputName(channel);
+    std::copy(numbers.begin(), numbers.end(), made.numbers.begin());
+    made.count = static_cast<int>(numbers.size());
+    return made;
+}
+
+/// The last input of a kind in so many steps.
+std::optional<LiveInput> lastOf(InputDriver& driver, LiveInput::Kind kind, int steps = 30) {
+    std::optional<LiveInput> last;
+    for (int i = 0; i < steps; ++i)
+        for (const LiveInput& input : driver.step(kStep))
+            if (input.kind == kind) last = input;
+    return last;
+}
+
+}  // namespace
+
+TEST_CASE("driver: mapped numbers become targets of handles, ends of bones and morph targets; axes that nothing drives stay") {
+    Puppet p;
+    p.map("x", "handle/tip/x");
+    p.map("turn", "handle/tip/turn-z");
+    p.map("y", "bone/b/end/y", {{"out", {0.0, -2.0}}});
+    p.map("roll", "bone/b/end/roll");
+    p.map("joy", "morph/man/smile");
+    InputDriver driver = p.driver();
+    CHECK(driver.step(kStep).empty());
+    CHECK(!driver.take(said("body", "x", {1.0})));
+    for (const char* channel : {"x", "turn", "y", "roll", "joy"}) CHECK(driver.take(said("face", channel, {0.5})));
+    InputDriver again = p.driver();
+    const auto handle = lastOf(driver, LiveInput::Kind::Handle);
+    REQUIRE(handle);
+    const JointFace& face = p.session.document().elementNamed("B")->faces.back();
+    CHECK(handle->target == Vec3(face.frame.origin + Vec3(0.5, 0.0, 0.0)));
+    CHECK((handle->rotation.coeffs() - Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())).coeffs()).norm() < 1e-15);
+    for (const char* channel : {"y", "joy"}) CHECK(again.take(said("face", channel, {0.5})));
+    const auto end = lastOf(again, LiveInput::Kind::End);
+    REQUIRE(end);
+    CHECK((end->target - Vec3(0.0, -1.0, 6.0)).norm() < 1e-12);
+    CHECK(again.mapper().winner(0) == -1);
+    CHECK(!again.take(said("face", "nose", {1.0})));
+}
+
+TEST_CASE("driver: everything has an OSC address of its own, behind the rows of the table") {
+    Puppet p;
+    std::set<std::string> names;
+    for (const DirectName& name : directNames(p.session.document())) names.insert(name.address);
+    for (const char* name : {"/imomushi/handle/tip/position", "/imomushi/handle/tip/turn", "/imomushi/bone/a/start/position", "/imomushi/bone/b/end/roll", "/imomushi/morph/man/frown"}) CHECK(names.contains(name));
+    CHECK(names.size() == 2 + 2 * 2 * 2 + 2);
+    InputDriver driver = p.driver();
+    CHECK(driver.take(said("osc", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));
+    CHECK(!driver.take(said("hands", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));  // no OSC
+    const auto handle = lastOf(driver, LiveInput::Kind::Handle);
+    REQUIRE(handle);
+    CHECK((handle->target - Vec3(1.0, 2.0, 3.0)).norm() < 1e-9);
+    // A row of the table wins as long as it is not silent; the address takes over then.
+    p.map("joy", "morph/man/smile", {{"silence", "next"}, {"after", 0.5}});
+    InputDriver both = p.driver();
+    CHECK(both.take(said("osc", "/imomushi/morph/man/smile", {0.2})));
+    CHECK(both.take(said("face", "joy", {0.9})));
+    CHECK(lastOf(both, LiveInput::Kind::Morph)->weight == 0.9);
+    CHECK(std::abs(lastOf(both, LiveInput::Kind::Morph, 60)->weight - 0.2) < 1e-9);
+}
+
+TEST_CASE("driver: muted rows drive nothing, and beside a solo row all others are muted") {
+    Puppet p;
+    p.map("joy", "morph/man/smile", {{"mute", true}});
+    p.map("sad", "morph/man/frown");
+    InputDriver driver = p.driver();
+    CHECK(driver.take(said("face", "joy", {0.9})));
+    CHECK(!lastOf(driver, LiveInput::Kind::Morph));
+    p.map("x", "handle/tip/x", {{"solo", true}});
+    InputDriver solo = p.driver();
+    CHECK(solo.take(said("face", "sad", {0.9})));
+    CHECK(solo.take(said("osc", "/imomushi/morph/man/smile", {0.9})));
+    CHECK(solo.take(said("face", "x", {0.5})));
+    CHECK(lastOf(solo, LiveInput::Kind::Handle));
+    CHECK(!lastOf(solo, LiveInput::Kind::Morph));
+}
+
+TEST_CASE("driver: what is taken hold of glides from where it is held, and lets go to rest") {
+    Puppet p;
+    p.map("x", "handle/tip/x");
+    InputDriver driver = p.driver();
+    CHECK(driver.take(said("face", "x", {1.0})));
+    const auto first = driver.step(kStep);
+    REQUIRE(first.size() == 1);
+    const Vec3 rest = p.session.document().elementNamed("B")->faces.back().frame.origin;
+    const Vec3 at = rest + Vec3(-0.5, 0.25, 0.0);
+    driver.hold(first[0], at, Eigen::Quaterniond::Identity(), 0.0);
+    double before = at.x();
+    for (int i = 0; i < 30; ++i)
+        for (const LiveInput& input : driver.step(kStep)) {
+            CHECK(input.target.x() >= before);
+            CHECK(input.target.x() - before <= 1.5 * 1.5 * kStep / InputMapper::kHandover + 1e-12);  // the steepest of the glide, 1.5 m long
+            CHECK(input.target.y() == at.y());
+            before = input.target.x();
+        }
+    CHECK(before == doctest::Approx(rest.x() + 1.0));
+    driver.letGo();
+    CHECK(lastOf(driver, LiveInput::Kind::Handle, 120)->target.x() == rest.x());
+}
+
+TEST_CASE("live: weights of morph targets are inputs of steps: the script has them, and makes the same again") {
+    Puppet p;
+    p.good({{"do", "record"}, {"take", "smiling"}, {"action", "start"}});
+    p.good({{"do", "step"}, {"frames", 4}, {"inputs", {{{"frame", 1}, {"character", "man"}, {"morph", "smile"}, {"weight", 0.25}}, {{"frame", 2}, {"character", "man"}, {"morph", "frown"}, {"weight", 1.5}}, {{"frame", 3}, {"character", "man"}, {"morph", "smile"}, {"weight", 0.0}}}}});
+    CHECK(p.session.document().morphs.size() == 1);  // what is at rest again has none
+    p.good({{"do", "record"}, {"take", "smiling"}, {"action", "stop"}});
+    Puppet again;
+    bool inputs = false;
+    for (const Json& line : p.session.script()) {
+        inputs = inputs || line.contains("inputs");
+        if (line["do"] == "record" || line["do"] == "step") again.good(line);
+    }
+    CHECK(inputs);
+    CHECK(again.session.document().morphs == p.session.document().morphs);
+    CHECK(again.content() == p.content());
+    const Json bad = {{"do", "step"}, {"frames", 1}};
+    for (const auto& [input, code] : std::vector<std::pair<Json, std::string>>{{{{"frame", 0}, {"character", "man"}, {"morph", "nose"}, {"weight", 1}}, "no-such-target"},
+                                                                               {{{"frame", 0}, {"character", "nobody"}, {"morph", "smile"}, {"weight", 1}}, "no-such-character"},
+                                                                               {{{"frame", 0}, {"character", "man"}, {"morph", "smile"}, {"weight", 1e7}}, "bad-value"},
+                                                                               {{{"frame", 0}, {"character", "man"}, {"morph", "smile"}}, "bad-type"},
+                                                                               {{{"frame", 0}, {"character", "man"}, {"morph", "smile"}, {"weight", 1}, {"to", {0, 0, 0}}}, "unknown-key"}}) {
+        Json line = bad;
+        line["inputs"] = Json::array({input});
+        CHECK(p.code(line) == code);
+    }
+}
+
+TEST_CASE("live: weights that are given while a thread steps are in the document when it is asked, and one at rest is none") {
+    Puppet p;
+    p.session.perform(60.0, [] {});
+    LiveInput input;
+    input.kind = LiveInput::Kind::Morph;
+    input.morph = {p.session.document().characterNamed("man")->id, 1};
+    const auto give = [&](double weight) {
+        input.weight = weight;
+        REQUIRE(p.session.give(input));
+        const auto start = std::chrono::steady_clock::now();
+        while (p.session.moving() && std::chrono::steady_clock::now() - start < std::chrono::seconds(60)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        p.good({{"do", "list"}});  // parks it
+    };
+    give(0.5);
+    CHECK(p.session.document().morphs == std::map<MorphRef, double>{{input.morph, 0.5}});
+    CHECK(p.session.character()->morphWeights(0)[1] == 0.5);
+    give(0.0);
+    CHECK(p.session.document().morphs.empty());
+    CHECK(p.session.character()->morphWeights(0)[1] == 0.0);
+    input.morph.target = 2;  // which it has not
+    give(1.0);
+    CHECK(p.session.document().morphs.empty());
+}
+
+TEST_CASE("driver: taking and stepping allocate nothing") {
+    Puppet p;
+    p.map("x", "handle/tip/x");
+    p.map("joy", "morph/man/smile");
+    InputDriver driver = p.driver();
+    const auto x = said("face", "x", {0.7}), joy = said("face", "joy", {0.7}), direct = said("osc", "/imomushi/bone/b/end/position", {1.0, 2.0, 3.0});
+    std::size_t moved = 0;
+    const auto before = allocations();
+    for (int i = 0; i < 60; ++i) {
+        driver.take(x), driver.take(joy), driver.take(direct);
+        moved += driver.step(kStep).size();
+    }
+    const auto after = allocations();
+    CHECK(moved > 3);
+    CHECK(after == before);
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Performances by programs that send: the senders of assets/live on loopback.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/mesh/write_mesh.h"
+#include "tests/run/program.h"
+#include "tests/support/obj.h"
+#include "tests/support/shapes.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// Starts the program in the background and does `meanwhile` once it listens; $osc and $vmc are its ports.
+Run performed(const std::string& arguments, const std::string& meanwhile) {
+    const std::string senders = IMOMUSHI_SOURCE_DIR "/assets/live";
+    writeFile("perform.sh", "cd '" + folder().string() + "'\nrm -f heard\nexport PYTHONDONTWRITEBYTECODE=1\nenv -u DISPLAY -u WAYLAND_DISPLAY '" IMOMUSHI_PROGRAM "' " + arguments +
+                                " >answers 2>heard &\nprogram=$!\nport() { sed -n \"s/^Listening to $1 on 127.0.0.1:\\([0-9]*\\)$/\\1/p\" heard; }\n"
+                                "for i in $(seq 600); do [ \"$(grep -c Listening heard 2>/dev/null)\" = 2 ] && break; sleep 0.1; done\n"
+                                "osc=$(port osc); vmc=$(port vmc); senders='" + senders + "'\n" + meanwhile + "\nwait $program\n");
+    const int status = std::system(("bash '" + (folder() / "perform.sh").string() + "'").c_str());
+    Run run;
+    run.status = WIFEXITED(status) ? WEXITSTATUS(status) : -2;
+    run.out = readFile(folder() / "answers");
+    run.err = readFile(folder() / "heard");
+    std::istringstream text(run.out);
+    for (std::string line; std::getline(text, line);) run.answers.push_back(Json::parse(line));
+    return run;
+}
+
+/// "egg.imomushi": an egg with a handle on top and a pinned foot.
+void makeEgg() {
+    TriangleMesh mesh = shapes::sphere(1.0, 3).mesh;
+    mesh.vertices.col(1) *= 1.5;
+    REQUIRE(writeMesh(folder() / "egg.obj", mesh.vertices, mesh.triangles).has_value());
+    REQUIRE(script(R"({"do":"new"}
+{"do":"import-element","path":"egg.obj","name":"egg"}
+{"do":"set","target":"egg","property":"solver-mesh","value":"as-is"}
+{"do":"handle","element":"egg","name":"top","point":[0,1.5,0],"radius":0.4}
+{"do":"handle","element":"egg","name":"foot","point":[0,-1.5,0],"radius":0.5}
+{"do":"precompute"}
+{"do":"pin","endpoint":"foot"}
+{"do":"map-input","source":"vmc","channel":"blend/Joy","target":"handle/top/y","out":[0,0.5]}
+{"do":"save","path":"egg.imomushi"}
+)").status == 0);
+}
+
+std::string live(const std::string& more) {
+    return R"({"do":"open","path":"egg.imomushi"}
+{"do":"record","take":"show","action":"start"}
+{"do":"live","sources":[{"protocol":"osc","port":0},{"protocol":"vmc","port":0}])" + more + R"(}
+{"do":"record","take":"show","action":"stop"}
+{"do":"write-mesh","path":"live.obj"}
+{"do":"play","take":"show","time":1.0}
+{"do":"write-mesh","path":"live_second.obj"}
+)";
+}
+
+}  // namespace
+
+TEST_CASE("live: senders on this machine move a handle by its address and by a mapping; what was recorded is replayed to the same bytes") {
+    makeEgg();
+    writeFile("live.jsonl", live(R"(,"record":"raw.input")"));
+    const Run run = performed("run live.jsonl",
+                              "python3 \"$senders/face.py\" $vmc 2 &\nface=$!\npython3 \"$senders/wave.py\" $osc 2 /imomushi/handle/top/position 0.3 0.1 1.6 0 0 0.2\npython3 \"$senders/names.py\" $osc >names\n"
+                              "printf 'no osc at all' >/dev/udp/127.0.0.1/$osc; python3 -c 'import socket, sys; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(bytes(9000), (\"127.0.0.1\", int(sys.argv[1])))' $osc\n"
+                              "wait $face; sleep 0.2; kill -INT $program");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    REQUIRE(run.answers.size() == 7);
+    const Json& answer = run.answers[2];
+    CHECK(answer["frames"].get<int>() > 120);
+    REQUIRE(answer["sources"].size() == 2);
+    // As many as a sender sends in two seconds, or at least half of them where the machine is busy.
+    CHECK(answer["sources"][0]["values"].get<int>() > 60);
+    CHECK(answer["sources"][0]["malformed"] == 1);
+    CHECK(answer["too_long"] == 1);
+    CHECK(answer["sources"][1]["values"].get<int>() > 300);
+    CHECK(answer["sources"][1]["ignored"].get<int>() > 60);
+    // x and z come from the address; the mapping, which is before it, has the height.
+    const TriangleMesh rest = readObj((folder() / "egg.obj").string()), posed = readObj((folder() / "live.obj").string());
+    Eigen::Index top = 0;
+    rest.vertices.col(1).maxCoeff(&top);
+    const Eigen::RowVector3d moved = posed.vertices.row(top) - rest.vertices.row(top);
+    CHECK(moved.x() > 0.19);
+    CHECK(moved.x() < 0.41);
+    CHECK(moved.y() >= -1e-9);
+    CHECK(moved.y() < 0.51);
+    CHECK(readFile(folder() / "names").find("/imomushi/handle/top/position 3\n") != std::string::npos);
+
+    const Run again = script(R"({"do":"open","path":"egg.imomushi"}
+{"do":"record","take":"show","action":"start"}
+{"do":"replay","path":"raw.input"}
+{"do":"record","take":"show","action":"stop"}
+{"do":"write-mesh","path":"replayed.obj"}
+{"do":"play","take":"show","time":1.0}
+{"do":"write-mesh","path":"replayed_second.obj"}
+{"do":"undo","count":2}
+{"do":"list"}
+)");
+    INFO(again.out);
+    REQUIRE(again.status == 0);
+    CHECK(again.answers[2]["frames"] == answer["frames"]);
+    CHECK(again.answers[2]["sources"] == answer["sources"]);
+    CHECK(again.answers[2]["cut"] == false);
+    CHECK(readFile(folder() / "replayed.obj") == readFile(folder() / "live.obj"));
+    CHECK(readFile(folder() / "replayed_second.obj") == readFile(folder() / "live_second.obj"));
+    CHECK(readFile(folder() / "live_second.obj") != readFile(folder() / "live.obj"));
+    // A performance and its take are a step each.
+    CHECK(again.answers[7]["undone"] == Json::array({"record", "live"}));
+    REQUIRE(again.answers[8]["held"].size() == 1);
+    CHECK(again.answers[8]["held"][0]["endpoint"] == "foot");
+}
+
+TEST_CASE("live: Ctrl+C ends a performance and leaves a project with a take; the sub-commands are scripts") {
+    makeEgg();
+    const Run run = performed("live --osc 0 --vmc 0 --record raw.input --take show --save shown.imomushi egg.imomushi",
+                              "python3 \"$senders/wave.py\" $osc 1 /imomushi/handle/top/position 0.3 0.1 1.6 0 0 0.2\nkill -INT $program");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    REQUIRE(run.answers.size() == 5);
+    CHECK(run.answers[2]["frames"].get<int>() > 30);
+    CHECK(run.answers[2]["sources"][0]["values"].get<int>() > 20);
+    const Run again = program("replay --take show --save again.imomushi raw.input egg.imomushi");
+    CHECK(again.status == 0);
+    const auto exported = [](const std::string& project, const std::string& mesh) {
+        const Run run = script("{\"do\":\"open\",\"path\":\"" + project + "\"}\n{\"do\":\"play\",\"take\":\"show\",\"time\":0.5}\n{\"do\":\"write-mesh\",\"path\":\"" + mesh + "\"}\n");
+        CHECK(run.status == 0);
+        return readFile(folder() / mesh);
+    };
+    CHECK(exported("shown.imomushi", "a.obj") == exported("again.imomushi", "b.obj"));
+    CHECK(program("live").status == 2);
+    CHECK(program("live --help").status == 0);
+    CHECK(program("live --osc x egg.imomushi").status == 2);
+    CHECK(program("replay raw.input").status == 2);
+    CHECK(program("replay egg.imomushi egg.imomushi").status == 1);
+}
+
+TEST_CASE("live: what cannot be listened to is refused, and nothing listens beyond this machine unless it is asked to") {
+    makeEgg();
+    const auto code = [](const std::string& sources) {
+        const Run run = script("{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n{\"do\":\"live\",\"seconds\":0.05,\"sources\":" + sources + "}\n");
+        return codeOf(run.answers.at(1));
+    };
+    CHECK(code("[]") == "bad-value");
+    CHECK(code("[1]") == "bad-type");
+    CHECK(code(R"([{"protocol":"osc"}])") == "missing-key");
+    CHECK(code(R"([{"protocol":"midi","port":0}])") == "bad-value");
+    CHECK(code(R"([{"protocol":"osc","port":70000}])") == "bad-value");
+    CHECK(code(R"([{"protocol":"osc","port":0},{"protocol":"osc","port":0}])") == "bad-value");
+    CHECK(code(R"([{"protocol":"osc","port":0,"host":"x"}])") == "unknown-key");
+    CHECK(code(R"([{"protocol":"osc","port":0},{"protocol":"osc","port":0,"name":"hands"}])") == "ok");
+    CHECK(codeOf(script("{\"do\":\"live\",\"seconds\":0.05,\"sources\":[{\"protocol\":\"osc\",\"port\":0}]}\n").answers.at(0)) == "no-element");
+    writeFile("short.jsonl", "{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n{\"do\":\"live\",\"seconds\":1,\"sources\":[{\"protocol\":\"osc\",\"port\":0},{\"protocol\":\"vmc\",\"port\":0}]}\n");
+    // The kernel's own table: local addresses of sockets, the low byte of 127.0.0.1 first.
+    const Run run = performed("run short.jsonl", "cat /proc/net/udp >table; printf '%04X %04X' $osc $vmc >ports");
+    CHECK(run.status == 0);
+    const std::string table = readFile(folder() / "table"), ports = readFile(folder() / "ports");
+    for (const std::string& port : {ports.substr(0, 4), ports.substr(5, 4)}) {
+        CHECK(table.find("0100007F:" + port) != std::string::npos);
+        CHECK(table.find("00000000:" + port) == std::string::npos);
+    }
+}
