@@ -4,17 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/try.h"
+#include "core/commands/hold_inputs.h"
 #include "core/commands/meetings.h"
-#include "core/document/command_support.h"
-#include "core/document/names.h"
 
 namespace imomushi {
-
-namespace {
-
-Json quaternion(const Eigen::Quaterniond& q) { return Json::array({q.x(), q.y(), q.z(), q.w()}); }
-
-}  // namespace
 
 LivePerformance::LivePerformance(SessionAccess& access, std::vector<RawSource> sources, double seconds, InputDriver driver)
     : access_(&access), sources_(std::move(sources)), driver_(std::move(driver)), seconds_(seconds), known_(access.document().effects[EffectKind::Contact].elements) {
@@ -61,23 +55,10 @@ Result<Json> LivePerformance::execute(const Json& command, const Progress& progr
 }
 
 Result<void> LivePerformance::hold(const LiveInput& input, const Progress& progress) {
-    LiveCharacter& live = access_->live;
-    Json command{{"do", "drag"}};
-    HandlePose shown;
-    if (input.kind == LiveInput::Kind::Handle) {
-        const FaceRef& handle = live.plan().handles[static_cast<std::size_t>(input.handle)];
-        IMOMUSHI_TRY(shown, live.poseOf(handle));
-        command["endpoint"] = handle.face;
-        command["rotation"] = quaternion(shown.rotation);
-    } else if (input.kind == LiveInput::Kind::End) {
-        IMOMUSHI_TRY(shown.at, live.positionOf(input.end));
-        command["endpoint"] = endpointText(access_->document(), input.end);
-    } else {
-        return {};  // needs no hold
-    }
-    command["to"] = json(shown.at);
-    if (auto ok = execute(command, progress); !ok) return tl::unexpected(ok.error());
-    driver_.hold(input, shown.at, shown.rotation, 0.0);
+    IMOMUSHI_TRY(const auto hold, takingHoldOf(access_->session, input));
+    if (!hold) return {};
+    if (auto ok = execute(hold->command, progress); !ok) return tl::unexpected(ok.error());
+    driver_.hold(hold->held);
     return {};
 }
 
@@ -86,20 +67,8 @@ void LivePerformance::cancel() noexcept {
 }
 
 Result<Json> LivePerformance::end(const Progress& progress) {
-    const Document& document = access_->document();
-    for (const LiveInput& input : driven_) {
-        Json command;
-        if (input.kind == LiveInput::Kind::Morph) {
-            const CharacterSource& character = *document.characters.at(input.morph.character);
-            command = {{"do", "morph"}, {"character", character.name}, {"target", character.model->morphs[static_cast<std::size_t>(input.morph.target)].name}, {"weight", input.weight}};
-        } else if (input.kind == LiveInput::Kind::Handle) {
-            command = {{"do", "drag"}, {"endpoint", access_->live.plan().handles[static_cast<std::size_t>(input.handle)].face}, {"to", json(input.target)}, {"rotation", quaternion(input.rotation)}};
-        } else {
-            command = {{"do", "drag"}, {"endpoint", endpointText(document, input.end)}, {"to", json(input.target)}};
-            if (input.hasRoll) command["roll"] = input.roll;
-        }
-        if (auto ok = execute(command, progress); !ok) return tl::unexpected(ok.error());
-    }
+    for (const LiveInput& input : driven_)
+        if (auto ok = execute(leavingOf(access_->session, input), progress); !ok) return tl::unexpected(ok.error());
     if (changed_) access_->endStep({"live", {}});
     access_->changedPose();
     Json answer{{"frames", steps_}, {"seconds", static_cast<double>(steps_) * seconds_}, {"sources", Json::array()}};

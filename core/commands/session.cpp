@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/commands/document_edit.h"
+#include "core/commands/hold_inputs.h"
 #include "core/commands/pose_check.h"
 #include "core/commands/prepared_step.h"
 #include "core/commands/session_access.h"
@@ -322,6 +323,30 @@ void Session::tellOfMeetings() {
 void Session::perform(double hertz, std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, hertz, std::move(stepped)); }
 
 bool Session::give(const LiveInput& input) { return performer_ && performer_->give(input); }
+
+bool Session::performInputs(std::shared_ptr<InputFeed> feed) {
+    if (!performer_) return false;
+    const ParkedPerformer parked(performer_.get());
+    performer_->feed(std::move(feed));
+    return true;
+}
+
+Result<bool> Session::holdInputs() {
+    InputFeed* feed = performer_ ? performer_->feed() : nullptr;
+    bool held = false;
+    std::vector<LiveInput> seen;  // a step says it again until it is held
+    while (const auto refused = feed ? feed->takeRefused() : std::nullopt) {
+        if (std::any_of(seen.begin(), seen.end(), [&](const LiveInput& s) { return s.sameTarget(*refused); })) continue;
+        seen.push_back(*refused);
+        IMOMUSHI_TRY(const auto hold, takingHoldOf(*this, *refused));
+        if (!hold) continue;
+        if (auto done = execute(hold->command); !done) return tl::unexpected(done.error());
+        held = true;
+        feed = performer_->feed();
+        if (feed) (void)feed->hold(hold->held);
+    }
+    return held;
+}
 
 bool Session::takeFrame() {
     if (!performer_) return false;

@@ -21,6 +21,7 @@
 namespace imomushi {
 
 struct BuiltCharacter;
+class InputFeed;
 class LiveCharacter;
 class Performer;
 struct LiveInput;
@@ -112,6 +113,10 @@ public:
     void perform(double hertz, std::function<void()> stepped);
     /// A target for the next step, of what is held already (LiveInput). False: frames are not stepped on a thread of their own, or it has no room: a command does it then.
     bool give(const LiveInput& input);
+    /// Live input for these steps, which go on as long as it is there; see Performer::feed(). Null: no more. False: frames are not stepped on a thread of their own.
+    bool performInputs(std::shared_ptr<InputFeed> feed);
+    /// Takes hold, by commands, of what live input moves and nobody holds. True: of something. Errors: those of "drag".
+    Result<bool> holdInputs();
     /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
     bool takeFrame();
     /// The last frame that was taken, while frames are stepped on a thread of their own: how many were stepped, and what it took, ms. None: they are not.

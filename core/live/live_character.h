@@ -259,6 +259,7 @@ private:
         LiveInput input;
     };
     std::vector<PerformedInput> performedInputs_;  // of each target and frame the last one
+    bool scriptForgotten_ = false;       // there were too many
     bool met_ = false;
     bool leavesVertices_ = false;
     std::uint64_t builds_ = 0, tunes_ = 0, shows_ = 0;

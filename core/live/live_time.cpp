@@ -20,6 +20,8 @@ constexpr int kLiftsOfFrame = 4;
 
 /// Frames on another thread for which there is room from the start: a quarter of an hour at 60 Hz.
 constexpr std::size_t kFramesOfStretch = 1 << 16;
+/// Inputs there, of which the script keeps all: an hour of one hand, some minutes of a face and a body. With more of them there is no script.
+constexpr std::size_t kMostInputsOfStretch = 1 << 18;
 /// A pose whose points move less than this part of the skeleton in a frame has come as near as it can.
 constexpr double kAtRest = 1e-6;
 
@@ -59,7 +61,7 @@ bool LiveCharacter::moving() {
 }
 
 bool LiveCharacter::apply(const LiveInput& input) {
-    if (performed_ && performedInputs_.size() == performedInputs_.capacity()) performedInputs_.reserve(2 * performedInputs_.size() + 1);  // before anything changes
+    if (performed_ && !scriptForgotten_ && performedInputs_.size() == performedInputs_.capacity()) performedInputs_.reserve(2 * performedInputs_.size() + 1);  // before anything changes
     Document& document = passing();
     if (input.kind == LiveInput::Kind::Morph) {
         const auto character = document.characters.find(input.morph.character);
@@ -96,7 +98,9 @@ bool LiveCharacter::apply(const LiveInput& input) {
             known->input = input;
             return true;
         }
-    performedInputs_.push_back({frame, input});
+    // A script so long has no room for its lines either.
+    scriptForgotten_ = scriptForgotten_ || performedInputs_.size() >= kMostInputsOfStretch;
+    if (!scriptForgotten_) performedInputs_.push_back({frame, input});
     return true;
 }
 
@@ -180,6 +184,7 @@ void LiveCharacter::stepOn(double seconds) {
 void LiveCharacter::beginPerforming() {
     performedFrames_.reserve(kFramesOfStretch);
     performedInputs_.reserve(kFramesOfStretch);
+    scriptForgotten_ = false;
     performed_ = history_.document();
     // Room for all weights that inputs may give.
     for (const auto& [id, character] : performed_->characters)
@@ -208,7 +213,9 @@ void LiveCharacter::endPerforming() noexcept {
     if (met_) document.effects = std::move(performed_->effects);
     performed_.reset();
     if (met_) valid_ = met_ = false;
+    if (scriptForgotten_) history_.forgetScript();
     try {
+        if (scriptForgotten_) performedFrames_.clear();
         auto given = performedInputs_.begin();
         for (std::size_t f = 0; f < performedFrames_.size(); ++f) {
             for (; given != performedInputs_.end() && given->frame == f; ++given) history_.noteInput(lineOf(given->input));

@@ -23,6 +23,7 @@ bool Performer::step(double seconds) {
     bool more = true;
     try {
         for (LiveInput input; inputs_.take(input);) (void)live_.apply(input);  // what was let go meanwhile needs none
+        if (feed_) feed_->step(seconds, live_);
         live_.advance(seconds);
         ++steps_;
         PerformedFrame& frame = frames_.back();
@@ -44,7 +45,7 @@ void Performer::fill(PerformedFrame& frame) const {
     frame.milliseconds = 0.0;
     frame.stages = *live_.stages();
     frame.warnings = live_.warnings();
-    frame.resting = !live_.inMotion();
+    frame.resting = !feed_ && !live_.inMotion();
     frame.met = live_.hasMet();
     const auto& recording = live_.recording();
     frame.recorded = recording ? recording->take.times.size() : 0;
@@ -72,7 +73,8 @@ void Performer::start() noexcept {
     try {
         const auto built = live_.built();
         if (!built || !*built) return;
-        if (inputs_.empty() && !live_.inMotion()) return;
+        if (feed_ && fedHandles_ != live_.plan().handles) feed_.reset();
+        if (inputs_.empty() && !feed_ && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
         for (PerformedFrame& frame : frames_.slots()) {
@@ -98,6 +100,12 @@ bool Performer::give(const LiveInput& input) {
 }
 
 void Performer::dropInputs() { inputs_.clear(); }
+
+void Performer::feed(std::shared_ptr<InputFeed> feed) {
+    feed_ = std::move(feed);
+    (void)live_.built();
+    fedHandles_ = live_.plan().handles;
+}
 
 bool Performer::take() {
     // Whoever parked it meanwhile has the last step in the live character.

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/triple_buffer.h"
+#include "core/live/input_feed.h"
 #include "core/live/live_character.h"
 #include "core/live/step_thread.h"
 
@@ -53,6 +55,9 @@ public:
     /// An input for the next step, which wakes what rests. False: it cannot be taken now. A command that changes the document outdates what was given before it.
     bool give(const LiveInput& input);
     void dropInputs();  ///< while it is parked
+    /// While it is parked: steps take live input from there, and go on as long as it is there. Null: from nowhere. It is let go where the character gets other handles.
+    void feed(std::shared_ptr<InputFeed> feed);
+    [[nodiscard]] InputFeed* feed() const { return feed_.get(); }
     /// Inputs were given since the last call: the document does not know of them before it is parked.
     bool takeGiven() { return std::exchange(given_, !inputs_.empty()); }
     /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
@@ -81,6 +86,8 @@ private:
     const std::function<void()> stepped_;
     TripleBuffer<PerformedFrame> frames_;
     LiveInputs inputs_;
+    std::shared_ptr<InputFeed> feed_;
+    std::vector<FaceRef> fedHandles_;  // that feed_ was made for
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/commands/hold_inputs.h"
+
+#include "core/document/character_input.h"
+#include "core/document/command_support.h"
+#include "core/document/names.h"
+
+namespace imomushi {
+
+namespace {
+
+Json turnJson(const Eigen::Quaterniond& q) { return Json::array({q.x(), q.y(), q.z(), q.w()}); }
+
+const std::string& handleName(const Session& session, const LiveInput& input) { return session.plan().handles[static_cast<std::size_t>(input.handle)].face; }
+
+}  // namespace
+
+Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const LiveInput& input) {
+    TakingHold made{{{"do", "drag"}}, input};
+    made.held.rotation.setIdentity();
+    made.held.roll = 0.0;
+    switch (input.kind) {
+        case LiveInput::Kind::Handle: {
+            IMOMUSHI_TRY(const auto shown, session.poseOf(session.plan().handles[static_cast<std::size_t>(input.handle)]));
+            made.held.target = shown.at;
+            made.held.rotation = shown.rotation;
+            made.command["endpoint"] = handleName(session, input);
+            made.command["rotation"] = turnJson(shown.rotation);
+            break;
+        }
+        case LiveInput::Kind::End: {
+            IMOMUSHI_TRY(made.held.target, session.positionOf(input.end));
+            made.command["endpoint"] = endpointText(session.document(), input.end);
+            break;
+        }
+        case LiveInput::Kind::Morph: return std::optional<TakingHold>();
+    }
+    made.command["to"] = json(made.held.target);
+    return std::optional(std::move(made));
+}
+
+Json leavingOf(const Session& session, const LiveInput& input) {
+    const Document& document = session.document();
+    if (input.kind == LiveInput::Kind::Morph) {
+        const CharacterSource& character = *document.characters.at(input.morph.character);
+        return {{"do", "morph"}, {"character", character.name}, {"target", character.model->morphs[static_cast<std::size_t>(input.morph.target)].name}, {"weight", input.weight}};
+    }
+    Json command{{"do", "drag"}, {"endpoint", input.kind == LiveInput::Kind::Handle ? handleName(session, input) : endpointText(document, input.end)}, {"to", json(input.target)}};
+    if (input.kind == LiveInput::Kind::Handle)
+        command["rotation"] = turnJson(input.rotation);
+    else if (input.hasRoll)
+        command["roll"] = input.roll;
+    return command;
+}
+
+}  // namespace imomushi

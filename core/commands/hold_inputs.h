@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "core/commands/session.h"
+#include "core/live/live_input.h"
+
+namespace imomushi {
+
+// A command takes hold of what live input moves, inputs follow, and a command leaves the answer in the document.
+
+/// How something that inputs move is taken hold of, where it is shown.
+struct TakingHold {
+    Json command;
+    LiveInput held;  ///< the same place as an input
+};
+/// None: it needs no hold. Errors: those of Session::poseOf() and positionOf().
+Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const LiveInput& input);
+
+/// The command that leaves in the document what an input said.
+Json leavingOf(const Session& session, const LiveInput& input);
+
+}  // namespace imomushi

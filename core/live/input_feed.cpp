@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/live/input_feed.h"
+
+#include "core/live/live_character.h"
+
+namespace imomushi {
+
+bool InputFeed::give(std::span<const InputValue> packet) {
+    if (values_.free() < packet.size()) return false;
+    for (std::size_t i = 0; i < packet.size(); ++i) values_.give({packet[i], i + 1 == packet.size()});
+    values_.publish();
+    return true;
+}
+
+std::optional<std::uint64_t> InputFeed::takeStep() {
+    const std::uint64_t* packets = steps_.front();
+    if (!packets) return std::nullopt;
+    const std::uint64_t count = *packets;
+    steps_.pop();
+    return count;
+}
+
+bool InputFeed::hold(const LiveInput& held) {
+    if (holds_.free() == 0) return false;
+    holds_.give(held);
+    holds_.publish();
+    return true;
+}
+
+void InputFeed::step(double seconds, LiveCharacter& live) {
+    for (; const LiveInput* held = holds_.front(); holds_.pop()) driver_.hold(*held);
+    while (const Heard* heard = values_.front()) {
+        (void)driver_.take(heard->value);
+        if (heard->last) ++packets_;
+        values_.pop();
+    }
+    for (const LiveInput& input : driver_.step(seconds)) {
+        if (live.apply(input) || refused_.free() == 0) continue;
+        refused_.give(input);
+        refused_.publish();
+    }
+    if (steps_.free() == 0) return;  // nobody records
+    steps_.give(packets_);
+    steps_.publish();
+}
+
+std::optional<LiveInput> InputFeed::takeRefused() {
+    const LiveInput* refused = refused_.front();
+    if (!refused) return std::nullopt;
+    const LiveInput input = *refused;
+    refused_.pop();
+    return input;
+}
+
+}  // namespace imomushi

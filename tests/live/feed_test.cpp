@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+#include <thread>
+
+#include "core/live/input_feed.h"
+#include "tests/document/workbench.h"
+
+using namespace imomushi;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr double kFeedHertz = 60.0;
+
+/// Two bars whose bones swing; a control moves the end of the second one, and another one its roll.
+struct Fed : Workbench {
+    Fed() {
+        buildChain();
+        good({{"do", "pin"}, {"endpoint", "a/start"}});
+        good({{"do", "precompute"}});
+        good({{"do", "enable"}, {"effect", "bone-dynamics"}});
+        good({{"do", "map-input"}, {"source", "pad"}, {"channel", "x"}, {"target", "bone/b/end/x"}, {"in", {-1, 1}}});
+        good({{"do", "map-input"}, {"source", "pad"}, {"channel", "roll"}, {"target", "bone/b/end/roll"}, {"in", {-1, 1}}, {"hertz", 5}});
+        REQUIRE(session.builtCharacter());
+    }
+    InputDriver driver() { return InputDriver(session.document(), session.plan(), {}); }
+    template <class Until>
+    bool wait(Until until) {
+        const auto start = std::chrono::steady_clock::now();
+        while (!until()) {
+            if (std::chrono::steady_clock::now() - start > 60s) return false;
+            session.takeFrame();
+            std::this_thread::sleep_for(2ms);
+        }
+        return true;
+    }
+};
+
+/// What the control says: packet i has one or two values.
+std::vector<InputValue> packet(int i) {
+    std::vector<InputValue> made(i % 3 == 0 ? 2 : 1);
+    for (InputValue& value : made) {
+        value.source = InputName("pad");
+        value.channel = InputName(&value == &made.front() ? "x" : "roll");
+        value.numbers[0] = 0.5 * std::sin(0.05 * i);
+        value.count = 1;
+    }
+    return made;
+}
+
+}  // namespace
+
+TEST_CASE("feed: what another thread hears is performed step by step; the packets that steps took, and the script, make the same again") {
+    Fed f;
+    f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
+    InputDriver again = f.driver();
+    f.session.perform(kFeedHertz, [] {});
+    f.good({{"do", "record"}, {"take", "fed"}, {"action", "start"}});
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    REQUIRE(f.session.performInputs(feed));
+    std::vector<std::uint64_t> steps;
+    constexpr int kPackets = 300;
+    std::thread hearing([&] {
+        for (int i = 0; i < kPackets; ++i) {
+            CHECK(feed->give(packet(i)));
+            while (const auto taken = feed->takeStep()) steps.push_back(*taken);
+            std::this_thread::sleep_for(3ms);
+        }
+    });
+    hearing.join();
+    CHECK(f.wait([&] {
+        while (const auto taken = feed->takeStep()) steps.push_back(*taken);
+        return !steps.empty() && steps.back() == kPackets;
+    }));
+    f.good({{"do", "record"}, {"take", "fed"}, {"action", "stop"}});
+    f.session.performInputs(nullptr);
+    CHECK(!f.session.holdInputs().value());
+    // The script has the inputs of each step.
+    const auto script = f.session.script();
+    std::vector<Json> said;
+    for (const Json& line : script)
+        if (line.contains("inputs"))
+            for (const Json& input : line["inputs"]) said.push_back({{"to", input["to"]}, {"roll", input.value("roll", 0.0)}});
+    CHECK(said.size() > 30);
+    // So does another driver that is given what steps took.
+    std::vector<Json> made;
+    int given = 0;
+    for (const std::uint64_t taken : steps) {
+        for (; given < static_cast<int>(taken); ++given)
+            for (const InputValue& value : packet(given)) again.take(value);
+        for (const LiveInput& input : again.step(1.0 / kFeedHertz)) made.push_back({{"to", {input.target.x(), input.target.y(), input.target.z()}}, {"roll", input.hasRoll ? input.roll : 0.0}});
+    }
+    REQUIRE(made.size() >= said.size());
+    made.resize(said.size());  // steps went on until the recording stopped
+    CHECK(made == said);
+    Fed other;
+    for (const Json& line : script)
+        if (line["do"] == "drag" || line["do"] == "record" || line["do"] == "step") other.good(line);
+    const Take &first = *f.session.document().takeNamed("fed"), &second = *other.session.document().takeNamed("fed");
+    REQUIRE(first.times == second.times);
+    std::vector<double> a(first.shapes.width()), b(second.shapes.width());
+    REQUIRE(a.size() == b.size());
+    for (std::size_t t = 0; t < first.times.size(); ++t) {
+        first.shapes.at(t, a.data());
+        second.shapes.at(t, b.data());
+        CHECK(a == b);
+    }
+}
+
+TEST_CASE("feed: what nobody holds is taken hold of by a command when it is moved, and goes on from there") {
+    Fed f;
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    CHECK(!f.session.performInputs(feed));  // no thread steps
+    f.session.perform(kFeedHertz, [] {});
+    REQUIRE(f.session.performInputs(feed));
+    CHECK(f.session.moving());  // steps go on while it is there
+    InputValue value = packet(1).front();
+    value.numbers[0] = 0.4;
+    REQUIRE(feed->give(std::span(&value, 1)));
+    const std::size_t before = f.session.steps().size();
+    CHECK(f.wait([&] { return f.session.holdInputs().value(); }));
+    CHECK(f.session.steps().size() == before + 1);
+    const EndpointRef end = *f.session.document().endpoint("b/end");
+    CHECK(f.wait([&] {
+        (void)f.session.holdInputs();
+        f.good({{"do", "list"}});  // the document becomes what is performed
+        return (f.session.document().goals.at(end).target - Vec3(0.4, 0.0, 6.0)).norm() < 1e-9;
+    }));
+    CHECK(f.session.steps().size() == before + 1);
+    f.session.performInputs(nullptr);
+    CHECK(f.wait([&] { return !f.session.moving(); }));
+}
+
+TEST_CASE("feed: it is let go where the handles of the character are others; a packet that finds no room is lost whole") {
+    Fed f;
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    f.session.perform(kFeedHertz, [] {});
+    REQUIRE(f.session.performInputs(feed));
+    CHECK(feed.use_count() == 2);
+    f.good({{"do", "handle"}, {"element", "B"}, {"name", "tip"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.4}});
+    (void)f.session.moving();
+    CHECK(feed.use_count() == 1);
+    const std::vector<InputValue> many(1000, packet(1).front());
+    for (std::size_t i = 0; i < InputFeed::kValues / many.size(); ++i) CHECK(feed->give(many));
+    CHECK(!feed->give(many));
+    CHECK(feed->give(std::span(many).first(InputFeed::kValues % many.size())));
+    CHECK(!feed->give(std::span(many).first(1)));
+}
