@@ -106,7 +106,7 @@ void addMappingCommands(CommandRegistry& registry) {
                        {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", or another name."},
                         {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad."},
                         {"component", Type::Integer, false, "Which number of the channel, from 0 (0)."},
-                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"morph/CHARACTER/NAME\" (its weight)."},
+                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight)."},
                         {"in", Type::Array, false, "The range of the control [low, high] ([0,1]); values beyond are at its ends. One that has 0 within has its middle there."},
                         {"out", Type::Array, false, "What the ends become, in the unit of the target (as \"in\"); the first may be the larger one."},
                         {"exponent", Type::Number, false, "Of the curve, 1/16 to 16: 1 straight, more is finer near the beginning or the middle (1)."},

@@ -52,6 +52,10 @@ std::optional<TargetParts> partsOf(std::string_view text) {
     }
     std::string_view number = rest;
     if (kind == "bone") {
+        made.target.kind = Kind::BoneTurn;
+        made.part = "end";
+        if ((made.target.axis = indexIn(kTurns, rest)) >= 0) return made;
+        made.target.axis = 0;
         std::tie(made.part, number) = divided(rest);
         if (made.part != "start" && made.part != "end") return std::nullopt;
         made.target.kind = Kind::EndRoll;
@@ -69,7 +73,7 @@ std::optional<TargetParts> partsOf(std::string_view text) {
 }
 
 tl::unexpected<Error> badTarget(std::string_view text) {
-    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll) or \"morph/CHARACTER/NAME\".");
+    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z) or \"morph/CHARACTER/NAME\".");
 }
 
 tl::unexpected<Error> tooMany() { return fail("too-many-mappings", "A table has at most " + std::to_string(InputMapping::kMost) + " mappings: remove some first."); }

@@ -26,14 +26,14 @@ struct InputMapping {
 
 /// One number of a character that can be driven, 0 at rest but for morph targets.
 struct MappedTarget {
-    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, Morph } kind = Kind::Morph;
-    int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, world): 0 x, 1 y, 2 z
+    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph } kind = Kind::Morph;
+    int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, in the axes of the world at rest): 0 x, 1 y, 2 z
     FaceRef handle;
-    EndpointRef end;
+    EndpointRef end;     ///< of a bone that is turned, its end
     MorphRef morph;
 };
 
-/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "morph/CHARACTER/NAME". Errors: "bad-value", and of names those of handleNamed(), Document::endpoint() and morphOf().
+/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME". Errors: "bad-value", and of names those of handleNamed(), Document::endpoint() and morphOf().
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
 
 /// As commands, projects and files of mappings write a row; all keys but source, channel and target may be left out. Errors: "bad-type", "bad-value", "missing-key", "unknown-key".

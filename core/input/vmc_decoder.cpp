@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The VMC protocol (protocol.vmc.info), as its "marionette" receives it. Channels:
-//   bone/NAME, root, tracker/SERIAL, hmd/SERIAL, controller/SERIAL   seven numbers: position x y z (m), rotation x y z w (unit)
+//   bone/NAME, root, tracker/SERIAL, hmd/SERIAL, controller/SERIAL   ten numbers: position x y z (m), rotation x y z w (unit), the same as a rotation vector x y z (radians)
 //   blend/NAME                                                       one number, as it was sent: values have no range
 // Unity's axes are left-handed, ours right-handed: x is mirrored, so positions are (-x, y, z) and rotations (x, -y, -z, w). Bones are relative to their parents, as they were sent.
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/rotation_vector.h"
 #include "core/input/decoders.h"
 #include "core/input/osc_packet.h"
 
@@ -60,8 +61,10 @@ private:
         }
         const double length = std::sqrt(n[3] * n[3] + n[4] * n[4] + n[5] * n[5] + n[6] * n[6]);
         if (!(std::abs(length - 1.0) <= kUnitRotation)) return false;
-        n = {-n[0], n[1], n[2], n[3] / length, -n[4] / length, -n[5] / length, n[6] / length};
-        return add(kind.empty() ? std::string("root") : std::string(kind) + std::string(a[0].text), n);
+        const Eigen::Quaterniond turn(n[6] / length, n[3] / length, -n[4] / length, -n[5] / length);
+        const Vec3 v = rotationVector(turn);
+        const std::array<double, 10> said = {-n[0], n[1], n[2], turn.x(), turn.y(), turn.z(), turn.w(), v.x(), v.y(), v.z()};
+        return add(kind.empty() ? std::string("root") : std::string(kind) + std::string(a[0].text), said);
     }
 
     bool blend(const OscMessage& message) {

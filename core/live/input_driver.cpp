@@ -9,6 +9,7 @@
 #include "core/document/morph_weights.h"
 #include "core/document/names.h"
 #include "core/mesh/bounds.h"
+#include "core/skeleton/bone_tree.h"
 
 namespace imomushi {
 
@@ -27,6 +28,7 @@ std::size_t slotOf(const MappedTarget& target) {
         case Kind::EndPlace: return static_cast<std::size_t>(target.axis);
         case Kind::HandleTurn: return static_cast<std::size_t>(3 + target.axis);
         case Kind::EndRoll: return 3;
+        case Kind::BoneTurn:
         case Kind::Morph: return 0;
     }
     return 0;
@@ -45,7 +47,10 @@ ResponseCurve direct(double rest, double bound) {
 struct InputDriver::Tables {
     const Document& document;
     const CharacterPlan& plan;
+    BoneTree tree;
+    Pose pose;  // of the document, or rest
     std::vector<Driven> driven;
+    std::vector<Turned> turned;
     std::vector<InputRow> rows;
     std::vector<double> shown, rest;
 
@@ -73,7 +78,8 @@ struct InputDriver::Tables {
             if (point < 0) return nullptr;
             // Ends of several bones may be the same point.
             input.end = std::find_if(plan.points.begin(), plan.points.end(), [&](const auto& end) { return end.second == point; })->first;
-            input.target = made.rest = plan.input.skeleton.points[static_cast<std::size_t>(point)];
+            made.rest = plan.input.skeleton.points[static_cast<std::size_t>(point)];
+            input.target = pose.points[static_cast<std::size_t>(point)];
             for (const auto& [end, goal] : document.goals)
                 if (plan.pointIndex(end) == point) {
                     input.target = goal.target;
@@ -86,10 +92,56 @@ struct InputDriver::Tables {
         return &driven.emplace_back(made);
     }
 
+    /// Where its end is driven, too.
+    Turned* findTurned(const MappedTarget& target) {
+        const int index = plan.boneIndex(target.end.bone);
+        const Driven* end = find(target);
+        if (index < 0 || !end) return nullptr;
+        const auto bone = static_cast<std::size_t>(index);
+        const auto known = std::find_if(turned.begin(), turned.end(), [&](const Turned& t) { return t.bone == bone; });
+        if (known != turned.end()) return &*known;
+        const Skeleton& skeleton = plan.input.skeleton;
+        const auto pointAt = [&](int point) { return skeleton.points[static_cast<std::size_t>(point)]; };
+        Turned made;
+        made.bone = bone;
+        made.end = static_cast<std::size_t>(end - driven.data());
+        made.startAt = pose.points[static_cast<std::size_t>(skeleton.bones[bone].start)];
+        made.along = pointAt(skeleton.bones[bone].end) - pointAt(skeleton.bones[bone].start);
+        made.rollSign = tree.rollSign[bone];
+        if (const int parent = tree.parent[bone]; parent >= 0) {
+            made.parentTurn = pose.frames[static_cast<std::size_t>(parent)].normalized();
+            made.fromParent = pointAt(skeleton.bones[bone].start) - pointAt(skeleton.bones[static_cast<std::size_t>(parent)].start);
+        }
+        made.turn = rotationVector((made.parentTurn.conjugate() * pose.frames[bone]).normalized());
+        driven[made.end].input.hasRoll = true;
+        return &turned.emplace_back(made);
+    }
+
+    /// Parents before children, with what they know of each other.
+    void sortTurned() {
+        std::ranges::sort(turned, {}, &Turned::bone);
+        for (Turned& t : turned) {
+            const auto parent = std::ranges::find_if(turned, [&](const Turned& p) { return static_cast<int>(p.bone) == tree.parent[t.bone]; });
+            t.parent = parent == turned.end() ? -1 : static_cast<int>(parent - turned.begin());
+            // The first of a chain starts where it does now: other bones would give way there.
+            if (t.parent < 0) {
+                MappedTarget place;
+                place.kind = Kind::EndPlace;
+                place.end = {plan.bones[t.bone], false};
+                (void)find(place);
+            }
+            const int start = plan.input.skeleton.bones[t.bone].start;
+            const auto at = std::ranges::find_if(driven, [&](const Driven& d) { return d.input.kind == LiveInput::Kind::End && plan.pointIndex(d.input.end) == start; });
+            t.start = at == driven.end() ? -1 : static_cast<int>(at - driven.begin());
+        }
+    }
+
     void add(InputRow row, const MappedTarget& target) {
         Driven* thing = find(target);
         if (!thing) return;
-        int& slot = thing->slots[slotOf(target)];
+        Turned* bone = target.kind == Kind::BoneTurn ? findTurned(target) : nullptr;
+        if (target.kind == Kind::BoneTurn && !bone) return;
+        int& slot = bone ? bone->slots[static_cast<std::size_t>(target.axis)] : thing->slots[slotOf(target)];
         if (slot < 0) {
             slot = static_cast<int>(shown.size());
             const auto axis = static_cast<Eigen::Index>(target.axis);
@@ -98,6 +150,7 @@ struct InputDriver::Tables {
                 case Kind::EndPlace: shown.push_back(thing->input.target[axis] - thing->rest[axis]); break;
                 case Kind::HandleTurn: shown.push_back(thing->turn[axis]); break;
                 case Kind::EndRoll: shown.push_back(thing->input.roll); break;
+                case Kind::BoneTurn: shown.push_back(bone->turn[axis]); break;
                 case Kind::Morph: shown.push_back(thing->input.weight); break;
             }
             rest.push_back(target.kind == Kind::Morph ? document.characters.at(target.morph.character)->model->morphs[static_cast<std::size_t>(target.morph.target)].atRest : 0.0);
@@ -146,19 +199,24 @@ struct InputDriver::Tables {
 
 InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources)
     : InputDriver([&] {
-          Tables tables{document, plan, {}, {}, {}, {}};
+          const Skeleton& skeleton = plan.input.skeleton;
+          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}};
           tables.addMappings();
           tables.addDirectNames(oscSources);
+          tables.sortTurned();
           return tables;
       }()) {}
 
-InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
+InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
 
 std::span<const LiveInput> InputDriver::step(double seconds) {
     mapper_.step(seconds);
     moved_.clear();
+    const auto moves = [this](const auto& slots) { return std::any_of(slots.begin(), slots.end(), [this](int slot) { return slot >= 0 && mapper_.moved(slot); }); };
+    const bool turns = std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slots); });
     for (Driven& driven : driven_) {
-        if (std::none_of(driven.slots.begin(), driven.slots.end(), [&](int slot) { return slot >= 0 && mapper_.moved(slot); })) continue;
+        driven.moved = moves(driven.slots);
+        if (!driven.moved) continue;
         LiveInput& input = driven.input;
         const auto put = [&](std::size_t slot, double& to, double rest) {
             if (driven.slots[slot] >= 0) to = rest + mapper_.shown(driven.slots[slot]);
@@ -175,21 +233,48 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
                 if (driven.slots[3] >= 0 || driven.slots[4] >= 0 || driven.slots[5] >= 0) input.rotation = rotationOf(driven.turn);
             }
         }
-        moved_.push_back(input);
     }
+    if (turns || std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved; }))
+        for (Turned& bone : turned_) follow(bone);
+    for (const Driven& driven : driven_)
+        if (driven.moved) moved_.push_back(driven.input);
     return moved_;
 }
 
-void InputDriver::hold(const LiveInput& moved, const Vec3& at, const Eigen::Quaterniond& rotation, double roll) {
+bool InputDriver::placed(const Driven& driven) const {
+    return std::any_of(driven.slots.begin(), driven.slots.begin() + 3, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; });
+}
+
+void InputDriver::follow(Turned& bone) {
+    for (std::size_t k = 0; k < bone.slots.size(); ++k)
+        if (bone.slots[k] >= 0) bone.turn[static_cast<Eigen::Index>(k)] = mapper_.shown(bone.slots[k]);
+    const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
+    bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
+    Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
+    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * bone.fromParent) : start ? start->input.target : bone.startAt;
+    if (start && !parent) start->moved = true;  // held, too
+    const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentTurn;
+    const Vec3 way = bone.now * bone.along, direction = way.normalized();
+    bone.untwisted = (minimalRotation(carried * bone.along.normalized(), direction) * carried).normalized();
+    Driven& end = driven_[bone.end];
+    LiveInput& input = end.input;
+    const Eigen::Quaterniond twist = bone.now * bone.untwisted.conjugate();
+    // Where something drives its place or roll themselves, that counts.
+    if (!placed(end)) input.target = bone.startNow + way;
+    if (end.slots[3] < 0 || mapper_.winner(end.slots[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
+    end.moved = true;
+}
+
+void InputDriver::hold(const LiveInput& held) {
     for (Driven& driven : driven_) {
         LiveInput& input = driven.input;
-        if (!input.sameTarget(moved)) continue;
-        input.target = at;
-        input.rotation = rotation;
-        input.roll = roll;
-        driven.turn = rotationVector(rotation);
-        const Vec3 place = at - driven.rest;
-        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? roll : driven.turn.x(), driven.turn.y(), driven.turn.z()};
+        if (!input.sameTarget(held)) continue;
+        input.target = held.target;
+        input.rotation = held.rotation;
+        input.roll = held.roll;
+        driven.turn = rotationVector(held.rotation);
+        const Vec3 place = held.target - driven.rest;
+        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : driven.turn.x(), driven.turn.y(), driven.turn.z()};
         for (std::size_t k = 0; k < shown.size(); ++k)
             if (driven.slots[k] >= 0) mapper_.setByHand(driven.slots[k], false, shown[k]);
     }

@@ -15,6 +15,7 @@ namespace imomushi {
 
 /// What live input makes of a character that is performed: values go in, targets for the next step come out. Rows of the document's table come first; after them, everything has a name of its own
 /// by OSC (directNames()). Built once. Taking and stepping neither allocate, lock nor fail; what comes out depends on values, steps and hold() alone.
+/// Bones that are turned (BoneTurn) go by forward kinematics, from where their parents are driven, or were when this was built.
 class InputDriver {
 public:
     /// `oscSources`: those whose values may use direct names. Rows whose target is not there drive nothing.
@@ -24,23 +25,43 @@ public:
     bool take(const InputValue& value) { return mapper_.take(value); }
     /// A step of so many seconds, > 0: the targets that moved, until the next step. Those of handles and ends of bones are taken by the character only where they are held.
     std::span<const LiveInput> step(double seconds);
-    /// What this input moves is held from now on where that is, and glides from there. It must be of the last step.
-    void hold(const LiveInput& input, const Vec3& at, const Eigen::Quaterniond& rotation, double roll);
+    /// What such an input moves is held from now on where this says, and glides from there.
+    void hold(const LiveInput& held);
     /// Everything glides to rest. For panic.
     void letGo() { mapper_.letGo(); }
     [[nodiscard]] const InputMapper& mapper() const { return mapper_; }
 
 private:
+    /// A bone that is turned about its parent: its end goes where forward kinematics has it, and twists with it.
+    struct Turned {
+        std::size_t bone = 0, end = 0;     ///< of the skeleton; of driven_
+        int parent = -1;                   ///< of turned_, -1: none, then
+        Eigen::Quaterniond parentTurn = Eigen::Quaterniond::Identity();  ///< of its parent, world
+        int start = -1;                    ///< of driven_, -1: none has the start of the bone
+        Vec3 startAt = Vec3::Zero();       ///< m, where it has no parent here
+        Vec3 fromParent = Vec3::Zero(), along = Vec3::Zero();  ///< at rest: from the start of its parent to its own, from there to its end
+        double rollSign = 1.0;
+        std::array<int, 3> slots{-1, -1, -1};
+        Vec3 turn = Vec3::Zero();          ///< about its parent, a rotation vector
+        // Of the last step
+        Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
+        Vec3 startNow = Vec3::Zero();
+    };
     /// What is moved as one: a handle, an end of a bone, a morph target.
     struct Driven {
         LiveInput input;     ///< as it was given last
         Vec3 rest = Vec3::Zero();
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
         std::array<int, 6> slots{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a morph target its weight first
+        bool moved = false;  ///< in the last step
     };
     struct Tables;
     explicit InputDriver(Tables&& tables);
+    /// Something drives its place.
+    [[nodiscard]] bool placed(const Driven& driven) const;
+    void follow(Turned& bone);
     std::vector<Driven> driven_;
+    std::vector<Turned> turned_;     // parents before children
     std::vector<LiveInput> moved_;
     InputMapper mapper_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "core/base/utf8.h"
@@ -110,7 +111,11 @@ TEST_CASE("vmc: poses come in our axes, x mirrored, and blend values count from 
     Heard h(InputProtocol::Vmc);
     CHECK(h.hear(bone("Hips")) == 1);
     const auto& n = h.last["bone/Hips"];
-    REQUIRE(n.size() == 7);
+    REQUIRE(n.size() == 10);
+    // (0.5, -0.5, -0.5, 0.5) turns by 120 degrees about (1, -1, -1).
+    CHECK(n[7] == doctest::Approx(2.0 * std::numbers::pi / 3.0 / std::sqrt(3.0)));
+    CHECK(n[8] == doctest::Approx(-n[7]));
+    CHECK(n[9] == doctest::Approx(-n[7]));
     CHECK(n[0] == doctest::Approx(-0.1));
     CHECK(n[2] == doctest::Approx(0.3));
     CHECK(n[3] == doctest::Approx(0.5));

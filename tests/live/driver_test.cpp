@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <chrono>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <thread>
@@ -136,7 +138,9 @@ TEST_CASE("driver: what is taken hold of glides from where it is held, and lets 
     REQUIRE(first.size() == 1);
     const Vec3 rest = p.session.document().elementNamed("B")->faces.back().frame.origin;
     const Vec3 at = rest + Vec3(-0.5, 0.25, 0.0);
-    driver.hold(first[0], at, Eigen::Quaterniond::Identity(), 0.0);
+    LiveInput held = first[0];
+    held.target = at;
+    driver.hold(held);
     double before = at.x();
     for (int i = 0; i < 30; ++i)
         for (const LiveInput& input : driver.step(kStep)) {
@@ -148,6 +152,43 @@ TEST_CASE("driver: what is taken hold of glides from where it is held, and lets 
     CHECK(before == doctest::Approx(rest.x() + 1.0));
     driver.letGo();
     CHECK(lastOf(driver, LiveInput::Kind::Handle, 120)->target.x() == rest.x());
+}
+
+TEST_CASE("driver: bones are turned about their parents by forward kinematics, and twist") {
+    Puppet p;
+    p.map("a", "bone/a/turn-x");
+    p.map("b", "bone/b/turn-x");
+    p.map("twist", "bone/b/turn-z");
+    InputDriver driver = p.driver();
+    const auto ends = [&](std::initializer_list<std::pair<const char*, double>> turns) {
+        for (const auto& [channel, turn] : turns) CHECK(driver.take(said("face", channel, {turn})));
+        std::map<EndpointRef, LiveInput> last;
+        for (int i = 0; i < 30; ++i)
+            for (const LiveInput& input : driver.step(kStep)) last.insert_or_assign(input.end, input);
+        return last;
+    };
+    const auto turned = ends({{"a", 0.5}, {"b", 0.25}});
+    REQUIRE(turned.size() == 3);  // the start of the chain is held where it is
+    const auto start = turned.begin(), a = std::next(start), b = std::next(a);
+    CHECK(start->second.target == Vec3(0.0, 0.0, 0.0));
+    // Bars of 3 m along z, a from the origin; a turn about x takes z to -y.
+    const auto way = [](double angle) { return Vec3(3.0 * Vec3(0.0, -std::sin(angle), std::cos(angle))); };
+    CHECK((a->second.target - way(0.5)).norm() < 1e-12);
+    CHECK((b->second.target - (way(0.5) + way(0.75))).norm() < 1e-12);
+    CHECK(std::abs(b->second.roll) < 1e-12);
+    const auto twisted = ends({{"a", 0.0}, {"b", 0.0}, {"twist", 0.75}});
+    const LiveInput& end = twisted.at(b->first);
+    CHECK((end.target - Vec3(0.0, 0.0, 6.0)).norm() < 1e-12);
+    CHECK(end.hasRoll);
+    CHECK(end.roll == doctest::Approx(0.75));
+    // The character has the angles, to what inverse kinematics leaves.
+    for (const auto& [at, input] : turned) p.good({{"do", "drag"}, {"endpoint", at == start->first ? "a/start" : at == a->first ? "a/end" : "b/end"}, {"to", {input.target.x(), input.target.y(), input.target.z()}}, {"roll", input.roll}});
+    for (const auto& [path, angle] : {std::pair("a", 0.5), std::pair("b", 0.75)}) {
+        const auto bone = p.session.plan().input.skeleton.bones[static_cast<std::size_t>(p.session.plan().boneIndex(p.session.document().boneNamed(path)->id))];
+        const auto& points = p.session.shownPose().points;
+        const Vec3 direction = (points[static_cast<std::size_t>(bone.end)] - points[static_cast<std::size_t>(bone.start)]).normalized();
+        CHECK(std::acos(std::min(1.0, direction.dot(way(angle).normalized()))) < 0.0175);  // a degree
+    }
 }
 
 TEST_CASE("live: weights of morph targets are inputs of steps: the script has them, and makes the same again") {
@@ -187,7 +228,11 @@ TEST_CASE("live: weights that are given while a thread steps are in the document
         input.weight = weight;
         REQUIRE(p.session.give(input));
         const auto start = std::chrono::steady_clock::now();
-        while (p.session.moving() && std::chrono::steady_clock::now() - start < std::chrono::seconds(60)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        while (p.session.moving() && std::chrono::steady_clock::now() - start < std::chrono::seconds(60)) {
+            p.session.takeFrame();
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        CHECK(!p.session.moving());
         p.good({{"do", "list"}});  // parks it
     };
     give(0.5);

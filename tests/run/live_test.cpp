@@ -2,8 +2,9 @@
 // Performances by programs that send: the senders of assets/live on loopback.
 #include <doctest/doctest.h>
 
-#include <chrono>
-#include <thread>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
 
 #include "core/mesh/write_mesh.h"
 #include "tests/run/program.h"
@@ -163,4 +164,55 @@ TEST_CASE("live: what cannot be listened to is refused, and nothing listens beyo
         CHECK(table.find("0100007F:" + port) != std::string::npos);
         CHECK(table.find("00000000:" + port) == std::string::npos);
     }
+}
+
+TEST_CASE("live: a body of the VMC protocol turns the arm of the figure: its bones have the angles that were sent, within a degree") {
+    std::string lines = R"({"do":"open","path":")" IMOMUSHI_SOURCE_DIR R"(/assets/samples/figure.imomushi"}
+{"do":"disable","effect":"bone-dynamics"}
+{"do":"disable","effect":"ground"}
+)";
+    for (const auto& [sent, bone] : {std::pair("LeftUpperArm", "upper-arm-bone.L"), std::pair("LeftLowerArm", "lower-arm-bone.L")})
+        for (int axis = 0; axis < 3; ++axis)
+            lines += std::string(R"({"do":"map-input","source":"vmc","channel":"bone/)") + sent + R"(","component":)" + std::to_string(7 + axis) + R"(,"target":"bone/)" + bone + "/turn-" + "xyz"[axis] + R"(","in":[-4,4]})" "\n";
+    const std::vector<std::string> ends = {"upper-arm-bone.L/start", "upper-arm-bone.L/end", "lower-arm-bone.L/end"};
+    const auto measured = [&] {
+        std::string made;
+        for (const std::string& end : ends) made += R"({"do":"measure","what":"position","endpoint":")" + end + "\"}\n";
+        return made;
+    };
+    writeFile("arm.jsonl", lines + measured() + R"({"do":"live","sources":[{"protocol":"osc","port":0},{"protocol":"vmc","port":0}]})" "\n" + measured());
+    const Run run = performed("run arm.jsonl", "python3 \"$senders/body.py\" $vmc 2 LeftUpperArm 0 -20 30 LeftLowerArm 0 -40 0\nsleep 0.2; kill -INT $program");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    REQUIRE(run.answers.size() == 16);
+    const auto at = [&](std::size_t answer) {
+        const Json& p = run.answers[answer]["value"];
+        return Eigen::Vector3d(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+    };
+    const auto turn = [](double x, double y, double z) {
+        const Eigen::Vector3d v = Eigen::Vector3d(x, y, z) * (std::numbers::pi / 180.0);
+        return Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix();
+    };
+    const Eigen::Matrix3d upper = turn(0, -20, 30), lower = upper * turn(0, -40, 0);
+    const auto away = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi; };
+    CHECK(away(upper * (at(10) - at(9)), at(14) - at(13)) < 1.0);
+    CHECK(away(lower * (at(11) - at(10)), at(15) - at(14)) < 1.0);
+    CHECK(away(at(10) - at(9), at(14) - at(13)) > 20.0);  // it was elsewhere
+}
+
+TEST_CASE("live: a recording of a program that was killed is whole but for its last second") {
+    makeEgg();
+    const Run run = performed("live --osc 0 --vmc 0 --record killed.input egg.imomushi",
+                              "python3 \"$senders/wave.py\" $osc 4 /imomushi/handle/top/position 0.3 0.1 1.6 0 0 0.2\nkill -9 $program");
+    CHECK(run.status != 0);
+    const Run replayed = script(R"({"do":"open","path":"egg.imomushi"}
+{"do":"replay","path":"killed.input"}
+{"do":"measure","what":"position","endpoint":"top"}
+)");
+    INFO(replayed.out);
+    REQUIRE(replayed.status == 0);
+    // Four seconds less one, and less what a busy machine leaves out.
+    CHECK(replayed.answers[1]["frames"].get<int>() >= 120);
+    CHECK(replayed.answers[1]["sources"][0]["values"].get<int>() >= 60);
+    CHECK(std::abs(replayed.answers[2]["value"][0].get<double>() - 0.3) < 0.1 + 1e-9);
 }
