@@ -1342,6 +1342,10 @@
             <translation>ボディがメッシュと少し違います。ほかの作り方を選ぶか、メッシュを直してください。</translation>
         </message>
         <message>
+            <source>The surface touched itself. The body has a little room there.</source>
+            <translation>表面が自分と触れていました。ボディではそこに少しすき間をあけました。</translation>
+        </message>
+        <message>
             <source>The surface crosses itself. The body has other triangles there.</source>
             <translation>表面が自分と交わっています。ボディではそこを別の三角形にしました。</translation>
         </message>

@@ -18,6 +18,7 @@
 #include "core/body/cgal/rays.h"
 #include "core/body/cgal/untangle.h"
 #include "core/body/mended_body.h"
+#include "core/body/parted.h"
 #include "core/body/prepared_surface.h"
 #include "core/body/repair.h"
 #include "core/body/wrapped_body.h"
@@ -110,6 +111,21 @@ std::optional<Body> withSurface(const Body& body, std::optional<TriangleMesh> me
     return out;
 }
 
+/// The same body where its surface touches itself, with a little room there. None where it does not, or where that makes it cross itself.
+std::optional<Body> withoutTouching(const Body& body) {
+    Body out;
+    out.mesh = body.mesh;
+    const std::vector<std::int32_t> moved = partTouching(out.mesh);
+    if (moved.empty()) return std::nullopt;
+    out.report = body.report;
+    std::erase_if(out.report.issues, [](const MeshIssue& issue) { return issue.code == "self-intersection"; });
+    if (!sound(out) || crossesItself(out)) return std::nullopt;
+    for (const std::int32_t v : body.bodyVertex) out.bodyVertex.push_back(std::ranges::binary_search(moved, v) ? -1 : v);
+    out.report.issues.push_back({Severity::Info, "parted", counted(moved.size(), "vertex of the body that touched its surface elsewhere was", "vertices of the body that touched its surface elsewhere were") + " moved a little away from it.",
+                                 static_cast<int>(moved.size()), true, {}, {}});
+    return out;
+}
+
 /// The same body without its crossings: other triangles around them, or else, where flesh overlaps, its outer side alone.
 std::optional<Body> withoutCrossings(const Body& body) {
     {
@@ -144,11 +160,16 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
         if (prepared.vertexOf[r] >= 0) out.body.bodyVertex[r] = surface.vertexOf[at(prepared.vertexOf[r])];
     out.exact = prepared.sameShape && surface.whole;
     for (Eigen::Index i = 0; out.exact && i < render.triangles.size(); ++i) out.exact = out.body.bodyVertex[at(render.triangles.data()[i])] >= 0;
-    if (crossesItself(out.body))
-        if (auto body = withoutCrossings(out.body)) {
-            out.body = std::move(*body);
-            out.exact = false;
-        }
+    const auto take = [&](std::optional<Body> body) {
+        if (!body) return;
+        out.body = std::move(*body);
+        out.exact = false;
+    };
+    take(withoutTouching(out.body));
+    if (crossesItself(out.body)) {
+        take(withoutCrossings(out.body));
+        if (!crossesItself(out.body)) take(withoutTouching(out.body));
+    }
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     auto& issues = out.body.report.issues;
     issues.insert(issues.begin(), std::make_move_iterator(surface.issues.begin()), std::make_move_iterator(surface.issues.end()));

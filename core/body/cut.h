@@ -55,8 +55,8 @@ struct CutRefusal : Error {
 /// order, then those of its cuts; where these are all there are, one more in the middle of each part of a triangle that has more than three corners, so that some are free. Its bytes depend on its own cuts alone: other cuts may move, come and go without changing a bit.
 ///
 /// Caps are flat to 1e-10 of the body's size. Where the plane passes a vertex within kSnap, that vertex is slid onto it, along the surface, so that the volume
-/// stays as it is: the volumes of the pieces add up to the body's, up to rounding. It moves by at most 2.5 kSnap of its shortest edge. Nothing else of the
-/// surface changes its place. Loops keep short sides that this leaves; caps then have points on the longer ones beside them.
+/// stays as it is: the volumes of the pieces add up to the body's, up to rounding. It moves by at most 2.5 kSnap of its shortest edge. A tip of the
+/// surface that ends within kSnap of a cap, as the ground of a pocket may, is moved so far back from it. Nothing else of the surface changes its place. Loops keep short sides that this leaves; caps then have points on the longer ones beside them.
 ///
 /// A loop around a ring does not separate, two of them do: whether a cut separates is judged with all cuts done. Closed surfaces that no cut meets (cavities,
 /// parts that lie apart) stay with the piece around them, else with the one of the nearest vertex.

@@ -92,7 +92,10 @@ public:
                             "The section touches itself in a point, so that the pieces would hang together there; move or turn the plane a little.");
             std::vector<std::pair<std::int32_t, Vec3>> moved;
             if (release.empty()) moved = moves(chosen, release);
-            if (release.empty()) return sectionOf(chosen, std::move(moved));
+            if (release.empty()) {
+                partTips(chosen, moved);
+                return sectionOf(chosen, std::move(moved));
+            }
             for (const std::int32_t v : release) released_[static_cast<std::size_t>(v)] = 1;
         }
     }
@@ -277,6 +280,31 @@ private:
             now[v] = place;
         }
         return moved;
+    }
+
+    /// Moves tips of the surface that end at the region of the section, on the plane or just through it, back to where the surface around them is: the cap would meet them. `moved` stays ascending.
+    void partTips(const std::vector<std::size_t>& chosen, std::vector<std::pair<std::int32_t, Vec3>>& moved) const {
+        const auto cutThrough = static_cast<std::ptrdiff_t>(moved.size());
+        for (std::int32_t v = 0; v < static_cast<std::int32_t>(side_.size()); ++v) {
+            if (side_[static_cast<std::size_t>(v)] != 0 || exact(v)) continue;  // a plane along a wall means what it says
+            bool front = false, behind = false, cut = false;
+            for (const std::int32_t corner : surface_.corners.at(v))
+                for (int k = 1; k < 3; ++k) {
+                    const int side = sideOf(corner / 3, corner % 3 + k);
+                    front = front || side > 0;
+                    behind = behind || side < 0;
+                }
+            if (front == behind) continue;
+            const Vec3 place = mesh_.vertices.row(v).transpose();
+            const Vec2 at = flat(place);
+            bool inside = contains(loops_[chosen[0]].flat, at);
+            for (std::size_t l = 0; l < chosen.size(); ++l) {
+                inside = inside && (l == 0 || !contains(loops_[chosen[l]].flat, at));
+                cut = cut || std::any_of(loops_[chosen[l]].points.begin(), loops_[chosen[l]].points.end(), [v](const SectionPoint& point) { return point.vertex == v; });
+            }
+            if (inside && !cut) moved.emplace_back(v, onPlane(place) + (front ? kSnap : -kSnap) * surface_.height[static_cast<std::size_t>(v)] * normal_);
+        }
+        std::inplace_merge(moved.begin(), moved.begin() + cutThrough, moved.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     }
 
     [[nodiscard]] Section sectionOf(const std::vector<std::size_t>& chosen, std::vector<std::pair<std::int32_t, Vec3>> moved) {

@@ -44,7 +44,7 @@ struct Section {
     Eigen::Matrix<double, 3, 2> axes;              ///< of the plane; x, y and the normal are right-handed
     std::vector<std::vector<SectionPoint>> loops;  ///< outer one first
     std::vector<std::vector<SectionSide>> sides;
-    std::vector<std::pair<std::int32_t, Vec3>> moved;  ///< vertices of the body that were moved onto the plane, ascending
+    std::vector<std::pair<std::int32_t, Vec3>> moved;  ///< vertices of the body that were moved onto the plane, or from the region away from it, ascending
     double spacing = 0.0;                              ///< m, mean length of the edges that it crosses
     [[nodiscard]] Eigen::Vector2d flat(const Vec3& p) const { return axes.transpose() * (p - loops[0][0].place); }
     [[nodiscard]] Vec3 lifted(const Eigen::Vector2d& p) const { return loops[0][0].place + axes * p; }

@@ -17,7 +17,7 @@ namespace {
 using Actions = std::vector<RepairAction>;
 
 /// What only making a body says: it is said anew with each body.
-constexpr std::array<std::string_view, 14> kOfBody{"differs", "untangled", "wrapped", "closed-gap", "united", "inside", "linked", "link-refused", "attached", "open-part", "inner-wall", "components", "self-intersection", "flat"};
+constexpr std::array<std::string_view, 15> kOfBody{"differs", "parted", "untangled", "wrapped", "closed-gap", "united", "inside", "linked", "link-refused", "attached", "open-part", "inner-wall", "components", "self-intersection", "flat"};
 
 bool isOfBody(const MeshIssue& issue) { return std::find(kOfBody.begin(), kOfBody.end(), issue.code) != kOfBody.end(); }
 

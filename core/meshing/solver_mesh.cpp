@@ -289,7 +289,7 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
     return mesh.result(faces.size());
 }
 
-SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest) {
+SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest, const std::function<double(const Vec3&)>& between) {
     Bisection mesh(body, std::move(face));
     const auto tooLong = [&](std::int32_t t) {
         const Edge e = mesh.longest(t);
@@ -307,7 +307,8 @@ SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, 
             continue;
         }
         const Edge halved = mesh.splitTowards(t);
-        longest.push_back(0.5 * (longest[static_cast<std::size_t>(halved.low)] + longest[static_cast<std::size_t>(halved.high)]));
+        const double mean = 0.5 * (longest[static_cast<std::size_t>(halved.low)] + longest[static_cast<std::size_t>(halved.high)]);
+        longest.push_back(between ? std::max(mean, between(mesh.point(mesh.vertices() - 1))) : mean);
         for (const std::int32_t changed : mesh.changed())
             if (changed != t && tooLong(changed)) open.push_back(changed);
     }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -49,8 +50,8 @@ inline constexpr double kFinestRefined = 0.25;
 /// Free edges that are sharp and re-entrant, ascending: the solution is singular there, as it is at rims.
 std::vector<std::array<std::int32_t, 2>> reentrantEdges(const SolverMesh& mesh);
 
-/// Bisects the body until no edge of a triangle is longer than the least of `longest` (m, per body vertex; between two vertices their mean) at its corners.
-/// `face`: that of each triangle, -1: none; of `count`. Deterministic, no vertex is moved.
-SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest);
+/// Bisects the body until no edge of a triangle is longer than the least of `longest` (m, per body vertex) at its corners. That of a new vertex is the mean of those that it lies between, or
+/// what `between` says of its place, where that is longer. `face`: that of each triangle, -1: none; of `count`. Deterministic, no vertex is moved.
+SolverMesh bisectedTo(const TriangleMesh& body, std::vector<std::int32_t> face, std::size_t count, std::vector<double> longest, const std::function<double(const Vec3&)>& between = {});
 
 }  // namespace imomushi

@@ -14,6 +14,7 @@
 #include "core/elasticity/tetrahedral_mesh.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_corners.h"
+#include "core/meshing/short_edges.h"
 
 namespace imomushi {
 namespace {
@@ -47,6 +48,8 @@ constexpr double kLongestEdge = 2.0;
 constexpr double kLongestEdgeOffRims = 6.0;
 /// Triangles are bisected where they are longer than this times the wanted size.
 constexpr double kBisected = 1.4;
+/// Between two rims far apart the mean of their sizes is far below the wanted one. In the middle triangles are longer than this part of it: with 1 bodies of few vertices get so few that errors grow by a third.
+constexpr double kBetweenRims = 0.5;
 /// A body is not decimated for less.
 constexpr double kWorthIt = 0.8;
 /// One that has more than so many times the vertices that were asked for is decimated as far as its rims allow. What cannot be decimated at all is filled as it is: boundary elements
@@ -158,7 +161,9 @@ Result<TetrahedralMesh> filled(SolvedBody& out, const VolumeDetail& detail, cons
         std::vector<double> longest(static_cast<std::size_t>(onGrid.mesh.vertices.rows()));
         for (std::size_t v = 0; v < longest.size(); ++v) longest[v] = kBisected * sizes.at(onGrid.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose());
         if (progress.cancelled()) return cancelled();
-        SolverMesh fine = bisectedTo(onGrid.mesh, facesOfTriangles(onGrid), onGrid.faces.size(), std::move(longest));
+        const SolverMesh bisected = bisectedTo(onGrid.mesh, facesOfTriangles(onGrid), onGrid.faces.size(), std::move(longest),
+                                               [&](const Vec3& place) { return kBetweenRims * kBisected * sizes.at(place); });
+        SolverMesh fine = withoutShortEdges(bisected);
         if (progress.cancelled()) return cancelled();
         filling = fillWithTetrahedra(fine.mesh, sizes, progress);
         if (!filling && filling.error().code == kNoFilling) continue;
@@ -249,7 +254,7 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
     std::optional<SolvedBody> out;
     if (!detail.onItself && vertices < kWorthIt * own) {
         const double most = own > kAtMostTimes * vertices ? kAsFewAsRimsAllow : kAboutAsMany;
-        if (auto small = onDecimated(surface, vertices, progress, kOutlineEdge, most); small && small->mesh.mesh.vertices.rows() < kWorthIt * own) out = std::move(*small);
+        if (auto small = onDecimated(surface, vertices, progress, kOutlineEdge, most); small && static_cast<double>(small->mesh.mesh.vertices.rows()) < kWorthIt * own) out = std::move(*small);
         if (progress.cancelled()) return cancelled();
     }
     // Where cuts pass close by vertices, and where surfaces were united, bodies have needles, which TetGen fills with many tetrahedra, flat ones among them.

@@ -184,6 +184,29 @@ TEST_CASE("body: one surface whose flesh overlaps itself gives a body that does 
     CHECK(volume(body) > 0.9 * meshFacts(curl).volume);
 }
 
+TEST_CASE("body: a surface that touches itself, or crosses itself by no more than rounding, gets a little room there") {
+    for (const double beyond : {-1e-9, -1e-12, 1e-12}) {
+        // A pocket from the low end reaches the middle of a triangle of the high end.
+        TriangleMesh box = shapes::box(Vec3::Zero(), Vec3(1, 1, 2), 4, 4, 8).mesh;
+        for (Eigen::Index v = 0; v < box.vertices.rows(); ++v)
+            if (box.vertices.row(v) == Eigen::RowVector3d(0.5, 0.5, 0.0)) box.vertices.row(v) << 0.56, 0.61, 2.0 + beyond;
+        const Body body = made(box, BodyKind::Mended);
+        CHECK(has(body, "parted"));
+        CHECK_FALSE(has(body, "self-intersection"));
+        CHECK_FALSE(has(body, "untangled"));
+        // One vertex has moved, by a thousandth of its shortest edge: the pocket's own, downwards.
+        int moved = 0;
+        for (std::size_t v = 0; v < body.bodyVertex.size(); ++v) {
+            if (body.bodyVertex[v] >= 0) continue;
+            ++moved;
+            const Vec3 now = body.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+            CHECK((now - Vec3(0.56, 0.61, 2.0)).norm() < 0.005);
+            CHECK(now.z() < 2.0 - 1e-4);
+        }
+        CHECK(moved == 1);
+    }
+}
+
 TEST_CASE("body: a part inside is left out, a cavity stays") {
     const TriangleMesh ball = shapes::sphere(1.0, 2).mesh, core = moved(ball, 0.5, Vec3::Zero());
     const double whole = meshFacts(ball).volume;

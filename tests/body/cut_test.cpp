@@ -334,6 +334,28 @@ TEST_CASE("cut: what is no plane and no body is refused") {
     CHECK(refused(TriangleMesh{}, {}).code == "not-closed");
 }
 
+TEST_CASE("cut: the ground of a pocket that ends at a cap, or just through it, is moved back from it") {
+    for (const double beyond : {-1e-4, -1e-9, 1e-9, 1e-4}) {
+        // A vertex in the middle of the low end is pulled up to the plane.
+        TriangleMesh body = shapes::box(Vec3::Zero(), Vec3(1, 1, 2), 4, 4, 8).mesh;
+        for (Eigen::Index v = 0; v < body.vertices.rows(); ++v)
+            if (body.vertices.row(v) == Eigen::RowVector3d(0.5, 0.5, 0.0)) body.vertices(v, 2) = 1.1 + beyond;
+        const Cuts cuts{{Vec3(0, 0, 1.1), Vec3(0, 0, 1)}};
+        const auto pieces = cutBody(body, cuts);
+        REQUIRE(pieces.has_value());
+        REQUIRE(pieces->size() == 2);
+        for (const BodyPiece& piece : *pieces) {
+            CHECK(meshFacts(piece.body).outward);
+            CHECK(selfIntersections(piece.body, 1).empty());
+        }
+        double tip = 0.0;
+        for (Eigen::Index v = 0; v < (*pieces)[0].body.vertices.rows(); ++v)
+            if ((*pieces)[0].body.vertices.row(v).head<2>() == Eigen::RowVector2d(0.5, 0.5) && (*pieces)[0].body.vertices(v, 2) != 1.1) tip = (*pieces)[0].body.vertices(v, 2);
+        CHECK(tip < 1.1 - 1e-4);
+        CHECK(tip > 1.09);
+    }
+}
+
 TEST_CASE("cut: a sliver of rounding is no piece") {
     const CutRefusal refusal = refused(shapes::box(Vec3::Zero(), Vec3(1, 1, 1), 3, 3, 3).mesh, {{Vec3(0, 0, 1e-10), Vec3(1e-11, 0, 1)}});
     CHECK((refusal.code == "empty-piece" || refusal.code == "no-section"));

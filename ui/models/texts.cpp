@@ -254,6 +254,7 @@ const std::map<std::string, const char*> kIssues = {
     {"united", QT_TRANSLATE_NOOP("Issues", "Overlapping parts were united in the body.")},
     {"inside", QT_TRANSLATE_NOOP("Issues", "Parts inside of others were left out of the body; the flesh around carries them.")},
     {"differs", QT_TRANSLATE_NOOP("Issues", "The body is not quite the mesh. Choose another way to make it, or repair the mesh.")},
+    {"parted", QT_TRANSLATE_NOOP("Issues", "The surface touched itself. The body has a little room there.")},
     {"untangled", QT_TRANSLATE_NOOP("Issues", "The surface crosses itself. The body has other triangles there.")},
     {"linked", QT_TRANSLATE_NOOP("Issues", "Parts that do not touch were linked by tubes of flesh.")},
     {"link-refused", QT_TRANSLATE_NOOP("Issues", "A link was not made: its two parts must face each other all around it, and touch nowhere else.")},
