@@ -7,6 +7,7 @@
 
 #include "core/input/input_mapper.h"
 #include "tests/support/allocations.h"
+#include "tests/support/input_values.h"
 
 using namespace imomushi;
 
@@ -20,15 +21,6 @@ InputRow rowOf(const std::string& source, const std::string& channel, int slot =
     row.channel = channel;
     row.slot = slot;
     return row;
-}
-
-InputValue valueOf(const std::string& source, const std::string& channel, std::initializer_list<double> numbers) {
-    InputValue made;
-    made.source = InputName(source);
-    made.channel = InputName(channel);
-    std::copy(numbers.begin(), numbers.end(), made.numbers.begin());
-    made.count = static_cast<int>(numbers.size());
-    return made;
 }
 
 InputMapper mapperOf(std::vector<InputRow> rows, double shown = 0.0, double rest = 0.0) { return InputMapper(std::move(rows), std::span(&shown, 1), std::span(&rest, 1)); }

@@ -12,6 +12,7 @@
 #include "core/mesh/render_model.h"
 #include "tests/document/workbench.h"
 #include "tests/support/allocations.h"
+#include "tests/support/input_values.h"
 
 using namespace imomushi;
 
@@ -47,15 +48,6 @@ struct Puppet : Workbench {
     }
 };
 
-InputValue said(const std::string& source, const std::string& channel, std::initializer_list<double> numbers) {
-    InputValue made;
-    made.source = InputName(source);
-    made.channel = InputName(channel);
-    std::copy(numbers.begin(), numbers.end(), made.numbers.begin());
-    made.count = static_cast<int>(numbers.size());
-    return made;
-}
-
 /// The last input of a kind in so many steps.
 std::optional<LiveInput> lastOf(InputDriver& driver, LiveInput::Kind kind, int steps = 30) {
     std::optional<LiveInput> last;
@@ -76,20 +68,20 @@ TEST_CASE("driver: mapped numbers become targets of handles, ends of bones and m
     p.map("joy", "morph/man/smile");
     InputDriver driver = p.driver();
     CHECK(driver.step(kStep).empty());
-    CHECK(!driver.take(said("body", "x", {1.0})));
-    for (const char* channel : {"x", "turn", "y", "roll", "joy"}) CHECK(driver.take(said("face", channel, {0.5})));
+    CHECK(!driver.take(valueOf("body", "x", {1.0})));
+    for (const char* channel : {"x", "turn", "y", "roll", "joy"}) CHECK(driver.take(valueOf("face", channel, {0.5})));
     InputDriver again = p.driver();
     const auto handle = lastOf(driver, LiveInput::Kind::Handle);
     REQUIRE(handle);
     const JointFace& face = p.session.document().elementNamed("B")->faces.back();
     CHECK(handle->target == Vec3(face.frame.origin + Vec3(0.5, 0.0, 0.0)));
     CHECK((handle->rotation.coeffs() - Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())).coeffs()).norm() < 1e-15);
-    for (const char* channel : {"y", "joy"}) CHECK(again.take(said("face", channel, {0.5})));
+    for (const char* channel : {"y", "joy"}) CHECK(again.take(valueOf("face", channel, {0.5})));
     const auto end = lastOf(again, LiveInput::Kind::End);
     REQUIRE(end);
     CHECK((end->target - Vec3(0.0, -1.0, 6.0)).norm() < 1e-12);
     CHECK(again.mapper().winner(0) == -1);
-    CHECK(!again.take(said("face", "nose", {1.0})));
+    CHECK(!again.take(valueOf("face", "nose", {1.0})));
 }
 
 TEST_CASE("driver: everything has an OSC address of its own, behind the rows of the table") {
@@ -99,16 +91,16 @@ TEST_CASE("driver: everything has an OSC address of its own, behind the rows of 
     for (const char* name : {"/imomushi/handle/tip/position", "/imomushi/handle/tip/turn", "/imomushi/bone/a/start/position", "/imomushi/bone/b/end/roll", "/imomushi/morph/man/frown"}) CHECK(names.contains(name));
     CHECK(names.size() == 2 + 2 * 2 * 2 + 2);
     InputDriver driver = p.driver();
-    CHECK(driver.take(said("osc", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));
-    CHECK(!driver.take(said("hands", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));  // no OSC
+    CHECK(driver.take(valueOf("osc", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));
+    CHECK(!driver.take(valueOf("hands", "/imomushi/handle/tip/position", {1.0, 2.0, 3.0})));  // no OSC
     const auto handle = lastOf(driver, LiveInput::Kind::Handle);
     REQUIRE(handle);
     CHECK((handle->target - Vec3(1.0, 2.0, 3.0)).norm() < 1e-9);
     // A row of the table wins as long as it is not silent; the address takes over then.
     p.map("joy", "morph/man/smile", {{"silence", "next"}, {"after", 0.5}});
     InputDriver both = p.driver();
-    CHECK(both.take(said("osc", "/imomushi/morph/man/smile", {0.2})));
-    CHECK(both.take(said("face", "joy", {0.9})));
+    CHECK(both.take(valueOf("osc", "/imomushi/morph/man/smile", {0.2})));
+    CHECK(both.take(valueOf("face", "joy", {0.9})));
     CHECK(lastOf(both, LiveInput::Kind::Morph)->weight == 0.9);
     CHECK(std::abs(lastOf(both, LiveInput::Kind::Morph, 60)->weight - 0.2) < 1e-9);
 }
@@ -118,13 +110,13 @@ TEST_CASE("driver: muted rows drive nothing, and beside a solo row all others ar
     p.map("joy", "morph/man/smile", {{"mute", true}});
     p.map("sad", "morph/man/frown");
     InputDriver driver = p.driver();
-    CHECK(driver.take(said("face", "joy", {0.9})));
+    CHECK(driver.take(valueOf("face", "joy", {0.9})));
     CHECK(!lastOf(driver, LiveInput::Kind::Morph));
     p.map("x", "handle/tip/x", {{"solo", true}});
     InputDriver solo = p.driver();
-    CHECK(solo.take(said("face", "sad", {0.9})));
-    CHECK(solo.take(said("osc", "/imomushi/morph/man/smile", {0.9})));
-    CHECK(solo.take(said("face", "x", {0.5})));
+    CHECK(solo.take(valueOf("face", "sad", {0.9})));
+    CHECK(solo.take(valueOf("osc", "/imomushi/morph/man/smile", {0.9})));
+    CHECK(solo.take(valueOf("face", "x", {0.5})));
     CHECK(lastOf(solo, LiveInput::Kind::Handle));
     CHECK(!lastOf(solo, LiveInput::Kind::Morph));
 }
@@ -133,7 +125,7 @@ TEST_CASE("driver: what is taken hold of glides from where it is held, and lets 
     Puppet p;
     p.map("x", "handle/tip/x");
     InputDriver driver = p.driver();
-    CHECK(driver.take(said("face", "x", {1.0})));
+    CHECK(driver.take(valueOf("face", "x", {1.0})));
     const auto first = driver.step(kStep);
     REQUIRE(first.size() == 1);
     const Vec3 rest = p.session.document().elementNamed("B")->faces.back().frame.origin;
@@ -161,7 +153,7 @@ TEST_CASE("driver: bones are turned about their parents by forward kinematics, a
     p.map("twist", "bone/b/turn-z");
     InputDriver driver = p.driver();
     const auto ends = [&](std::initializer_list<std::pair<const char*, double>> turns) {
-        for (const auto& [channel, turn] : turns) CHECK(driver.take(said("face", channel, {turn})));
+        for (const auto& [channel, turn] : turns) CHECK(driver.take(valueOf("face", channel, {turn})));
         std::map<EndpointRef, LiveInput> last;
         for (int i = 0; i < 30; ++i)
             for (const LiveInput& input : driver.step(kStep)) last.insert_or_assign(input.end, input);
@@ -251,7 +243,7 @@ TEST_CASE("driver: taking and stepping allocate nothing") {
     p.map("x", "handle/tip/x");
     p.map("joy", "morph/man/smile");
     InputDriver driver = p.driver();
-    const auto x = said("face", "x", {0.7}), joy = said("face", "joy", {0.7}), direct = said("osc", "/imomushi/bone/b/end/position", {1.0, 2.0, 3.0});
+    const auto x = valueOf("face", "x", {0.7}), joy = valueOf("face", "joy", {0.7}), direct = valueOf("osc", "/imomushi/bone/b/end/position", {1.0, 2.0, 3.0});
     std::size_t moved = 0;
     const auto before = allocations();
     for (int i = 0; i < 60; ++i) {

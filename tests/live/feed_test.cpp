@@ -4,6 +4,7 @@
 
 #include "core/live/input_feed.h"
 #include "tests/document/workbench.h"
+#include "tests/support/input_values.h"
 
 using namespace imomushi;
 using namespace std::chrono_literals;
@@ -38,13 +39,9 @@ struct Fed : Workbench {
 
 /// What the control says: packet i has one or two values.
 std::vector<InputValue> packet(int i) {
-    std::vector<InputValue> made(i % 3 == 0 ? 2 : 1);
-    for (InputValue& value : made) {
-        value.source = InputName("pad");
-        value.channel = InputName(&value == &made.front() ? "x" : "roll");
-        value.numbers[0] = 0.5 * std::sin(0.05 * i);
-        value.count = 1;
-    }
+    const double number = 0.5 * std::sin(0.05 * i);
+    std::vector<InputValue> made{valueOf("pad", "x", {number})};
+    if (i % 3 == 0) made.push_back(valueOf("pad", "roll", {number}));
     return made;
 }
 
