@@ -321,24 +321,6 @@ Result<std::vector<StepInput>> stepInputs(const Json& list, int frames, const Do
     return inputs;
 }
 
-}  // namespace
-
-Result<void> pressWhatMet(SessionAccess& access, std::set<PartId>& known, Json& met, const Progress& progress) {
-    const Document& document = access.document();
-    const std::set<PartId>& now = document.effects[EffectKind::Contact].elements;
-    if (now.size() == known.size()) return {};
-    for (const PartId id : now) {
-        if (known.contains(id)) continue;
-        if (auto computed = access.responses.compute(id, progress); !computed) return tl::unexpected(computed.error());
-        met.push_back(document.elements.at(id)->name);
-    }
-    known = now;
-    access.changedResponses();
-    return {};
-}
-
-namespace {
-
 Result<Json> step(SessionAccess& access, const Json& arguments, const Progress& progress) {
     LiveCharacter& live = access.live;
     const Document& document = access.document();
