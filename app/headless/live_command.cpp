@@ -143,7 +143,8 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
                         sendNames(access.document(), heard.ports[i]);
                     });
                 }
-            if (std::all_of(left.begin(), left.end(), [](int l) { return l == 0; })) {
+            // A port with more would be ready at once, again and again.
+            if (std::any_of(left.begin(), left.end(), [](int l) { return l == 0; })) {
                 std::this_thread::sleep_until(until);
                 break;
             }

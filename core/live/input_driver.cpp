@@ -53,6 +53,7 @@ struct InputDriver::Tables {
     std::vector<Turned> turned;
     std::vector<InputRow> rows;
     std::vector<double> shown, rest;
+    const bool solo = document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; });  // of any row
 
     /// Null: the character has no such thing.
     Driven* find(const MappedTarget& target) {
@@ -164,15 +165,13 @@ struct InputDriver::Tables {
         return thing ? thing->rest[target.axis] : 0.0;
     }
 
-    [[nodiscard]] bool solo() const { return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; }); }
-
     void addMappings() {
         if (!document.mappings) return;
         for (const InputMapping& mapping : *document.mappings) {
             const auto target = mappedTarget(document, mapping.target);
             if (!target) continue;
             InputRow row = mapping.row;
-            row.muted = row.muted || (!mapping.solo && solo());
+            row.muted = row.muted || (!mapping.solo && solo);
             add(std::move(row), *target);
         }
     }
@@ -185,7 +184,7 @@ struct InputDriver::Tables {
                 InputRow row;
                 row.channel = name.address;
                 row.component = i;
-                row.muted = solo();
+                row.muted = solo;
                 row.curve = target.kind == Kind::Morph ? direct(0.0, kLargestMorphWeight)
                             : target.kind == Kind::HandleTurn || target.kind == Kind::EndRoll ? direct(0.0, kLargestDirectAngle)
                                                                                               : direct(restOf(target), kFarthestDirect);
