@@ -56,7 +56,7 @@ struct CutRefusal : Error {
 ///
 /// Caps are flat to 1e-10 of the body's size. Where the plane passes a vertex within kSnap, that vertex is slid onto it, along the surface, so that the volume
 /// stays as it is: the volumes of the pieces add up to the body's, up to rounding. It moves by at most 2.5 kSnap of its shortest edge. A tip of the
-/// surface that ends within kSnap of a cap, as the ground of a pocket may, is moved so far back from it. Nothing else of the surface changes its place. Loops keep short sides that this leaves; caps then have points on the longer ones beside them.
+/// surface, such as the bottom of a pocket, that ends within kSnap of a cap is moved back until it is that far from it. Nothing else of the surface changes its place. Loops keep short sides that this leaves; caps then have points on the longer ones beside them.
 ///
 /// A loop around a ring does not separate, two of them do: whether a cut separates is judged with all cuts done. Closed surfaces that no cut meets (cavities,
 /// parts that lie apart) stay with the piece around them, else with the one of the nearest vertex.

@@ -93,7 +93,7 @@ public:
             std::vector<std::pair<std::int32_t, Vec3>> moved;
             if (release.empty()) moved = moves(chosen, release);
             if (release.empty()) {
-                partTips(chosen, moved);
+                moveTipsBack(chosen, moved);
                 return sectionOf(chosen, std::move(moved));
             }
             for (const std::int32_t v : release) released_[static_cast<std::size_t>(v)] = 1;
@@ -282,11 +282,11 @@ private:
         return moved;
     }
 
-    /// Moves tips of the surface that end at the region of the section, on the plane or just through it, back to where the surface around them is: the cap would meet them. `moved` stays ascending.
-    void partTips(const std::vector<std::size_t>& chosen, std::vector<std::pair<std::int32_t, Vec3>>& moved) const {
+    /// A tip of the surface that ends at the plane within the section, or just beyond it, would pierce the cap: it is moved back to its own side. `moved` stays ascending.
+    void moveTipsBack(const std::vector<std::size_t>& chosen, std::vector<std::pair<std::int32_t, Vec3>>& moved) const {
         const auto cutThrough = static_cast<std::ptrdiff_t>(moved.size());
         for (std::int32_t v = 0; v < static_cast<std::int32_t>(side_.size()); ++v) {
-            if (side_[static_cast<std::size_t>(v)] != 0 || exact(v)) continue;  // a plane along a wall means what it says
+            if (side_[static_cast<std::size_t>(v)] != 0 || exact(v)) continue;  // a plane in which a wall lies is taken as it is
             bool front = false, behind = false, cut = false;
             for (const std::int32_t corner : surface_.corners.at(v))
                 for (int k = 1; k < 3; ++k) {

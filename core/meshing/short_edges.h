@@ -5,8 +5,8 @@
 
 namespace imomushi {
 
-/// Collapses edges that are far shorter than those around both of their ends. Bisection makes them where long narrow triangles end in a point: an edge halfway to the point is half as long
-/// as the short side, and so on, down to a size at which TetGen runs in circles. Only vertices with an `origin` go, each into a neighbour that is much nearer than its other ones; those at rims
+/// Collapses edges that are far shorter than those around both of their ends. Where a long narrow triangle ends in a point, bisection halves its short side again and again, down to a size at which
+/// TetGen does not end. Only vertices with an `origin` go, each into a neighbour that is much nearer than its other ones; those at rims
 /// of faces along the rim. What is left keeps its order; its origins lie between vertices without one. Deterministic.
 SolverMesh withoutShortEdges(const SolverMesh& mesh);
 

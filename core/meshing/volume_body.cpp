@@ -48,7 +48,8 @@ constexpr double kLongestEdge = 2.0;
 constexpr double kLongestEdgeOffRims = 6.0;
 /// Triangles are bisected where they are longer than this times the wanted size.
 constexpr double kBisected = 1.4;
-/// Between two rims far apart the mean of their sizes is far below the wanted one. In the middle triangles are longer than this part of it: with 1 bodies of few vertices get so few that errors grow by a third.
+/// Edges at a new vertex may be as long as this part of what its place asks for, even where the mean of the two ends that it lies between, both at rims, is far less. With 1 bodies of few vertices get so
+/// few that three reference bodies miss their bounds by up to a seventh.
 constexpr double kBetweenRims = 0.5;
 /// A body is not decimated for less.
 constexpr double kWorthIt = 0.8;

@@ -334,7 +334,7 @@ TEST_CASE("cut: what is no plane and no body is refused") {
     CHECK(refused(TriangleMesh{}, {}).code == "not-closed");
 }
 
-TEST_CASE("cut: the ground of a pocket that ends at a cap, or just through it, is moved back from it") {
+TEST_CASE("cut: the bottom of a pocket that ends at a cap, or just through it, is moved back from it") {
     for (const double beyond : {-1e-4, -1e-9, 1e-9, 1e-4}) {
         // A vertex in the middle of the low end is pulled up to the plane.
         TriangleMesh body = shapes::box(Vec3::Zero(), Vec3(1, 1, 2), 4, 4, 8).mesh;
