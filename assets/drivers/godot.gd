@@ -243,6 +243,8 @@ func _measure(element: Dictionary, frame: Transform3D, joints: Array) -> Array[f
 		if loads.has("softness"):
 			var pull: Vector3 = loads["softness"] * (frame.basis.transposed() * _vector(data["gravity"]))
 			all.append_array([pull.x, pull.y, pull.z])
+		elif loads.has("stretch"):
+			all.append_array([0.0, 0.0, 0.0])
 		if loads.has("pressure"):
 			all.append(loads["pressure"])
 		var wanted := 0.0
@@ -251,6 +253,13 @@ func _measure(element: Dictionary, frame: Transform3D, joints: Array) -> Array[f
 		var part: float = loads["most"] * tanh(wanted / loads["most"]) / wanted if wanted > 0.0 else 0.0
 		for i in all.size():
 			v[int(loads["column"]) + i] = part * all[i]
+		if loads.has("stretch"):
+			var stretch: Dictionary = loads["stretch"]
+			var rest: float = stretch["length"]
+			var more: float = points[int(stretch["end"])].distance_to(points[int(stretch["joint"])]) - rest
+			var room: float = rest * (stretch["shorter"] if more < 0.0 else stretch["longer"])
+			for i in 3:
+				v[int(loads["column"]) + i] += room * tanh(more / room) * stretch["perMetre"][i]
 	return v
 
 

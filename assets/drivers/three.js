@@ -234,11 +234,16 @@ export class ImomushiDriver {
         }
         const loads = element.loads;
         if (loads) {
-            const all = loads.softness === undefined ? [] : times(loads.softness, times3(toElement, this.data.gravity));
+            const all = loads.softness !== undefined ? times(loads.softness, times3(toElement, this.data.gravity)) : loads.stretch ? [0, 0, 0] : [];
             if (loads.pressure !== undefined) all.push(loads.pressure);
             const wanted = all.reduce((sum, x, i) => sum + Math.abs(x) * loads.sizes[i], 0);
             const part = wanted > 0 ? (loads.most * Math.tanh(wanted / loads.most)) / wanted : 0;
             all.forEach((x, i) => (v[loads.column + i] = part * x));
+            if (loads.stretch) {
+                const { joint, end, length: rest, longer, shorter, perMetre } = loads.stretch, more = length(sub(this.points[end], this.points[joint])) - rest;
+                const room = rest * (more < 0 ? shorter : longer);
+                perMetre.forEach((x, i) => (v[loads.column + i] += room * Math.tanh(more / room) * x));
+            }
         }
         return v;
     }

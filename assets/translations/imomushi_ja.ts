@@ -405,6 +405,14 @@
             <translation>重みで垂れ下がり、動かすと遅れてついてきます。</translation>
         </message>
         <message>
+            <source>Stretching ends</source>
+            <translation>先端の伸び</translation>
+        </message>
+        <message>
+            <source>Flesh around the free end of a bone stretches with the bone, so that the end stays inside.</source>
+            <translation>ボーンの自由端のまわりの肉がボーンと一緒に伸び縮みし、端が肉の外に出ません。</translation>
+        </message>
+        <message>
             <source>Inflate</source>
             <translation>膨らみ</translation>
         </message>

@@ -23,8 +23,10 @@
 #include "core/body/repair.h"
 #include "core/body/wrapped_body.h"
 #include "core/mesh/bounds.h"
+#include "core/mesh/topology.h"
 #include "core/mesh/triangle_tree.h"
 #include "core/mesh/weld.h"
+#include "core/mesh/winding_tree.h"
 #include "core/worker/worker.h"
 
 namespace imomushi {
@@ -56,14 +58,24 @@ bool sound(Body& body) {
     return true;
 }
 
-/// How far what is seen is from the body. What a mended one has in its flesh, where parts overlap, nobody sees.
-void measureDistance(const TriangleMesh& render, Body& body) {
+/// How far what is seen is from the body. What lies in the flesh of other parts nobody sees: of a mended body in its own, of a wrapped one, which fills gaps as well, in that of the mesh that it was made of.
+void measureDistance(const TriangleMesh& render, const TriangleMesh& flesh, Body& body) {
     const double diagonal = diagonalOf(body.mesh.vertices);
     const TriangleTree tree(body.mesh);
     std::optional<RayTree> rays;
-    const auto buried = [&](const Vec3& place) {
-        if (!rays) rays.emplace(body.mesh);
-        return rays->inside(place);
+    std::optional<WindingTree> winding;
+    Points normals;
+    const auto buried = [&](std::size_t v, const Vec3& place) {
+        if (body.report.how != BodyKind::Wrapped) {
+            if (!rays) rays.emplace(body.mesh);
+            return rays->inside(place);
+        }
+        if (!winding) {
+            winding.emplace(flesh);
+            normals = vertexNormals(render);
+        }
+        const Vec3 aside = kBuried * diagonal * normals.row(static_cast<Eigen::Index>(v)).transpose();
+        return std::abs(winding->at(place + aside)) > 0.5 && std::abs(winding->at(place - aside)) > 0.5;
     };
     std::vector<char> used(static_cast<std::size_t>(render.vertices.rows()), 0);
     for (Eigen::Index i = 0; i < render.triangles.size(); ++i) used[at(render.triangles.data()[i])] = 1;
@@ -75,7 +87,7 @@ void measureDistance(const TriangleMesh& render, Body& body) {
         if (body.bodyVertex[v] < 0) {  // else welded there
             const Vec3 place = render.vertices.row(static_cast<Eigen::Index>(v));
             distance = std::sqrt(tree.nearest(place).squaredDistance) / diagonal;
-            if (body.report.how == BodyKind::Mended && distance > kBuried && buried(place)) continue;
+            if (distance > kBuried && buried(v, place)) continue;
         }
         ++count;
         sum += distance * distance;
@@ -234,10 +246,10 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
     // and hangs together as well.
     const auto fits = [](const Body& body) { return !crossesItself(body) && body.report.distanceRms <= kFarOff && body.report.volumeError <= kMuchLost; };
     const auto replaceWhatFails = [&](Body& body) {
-        measureDistance(render, body);
+        measureDistance(render, prepared.mesh, body);
         if (fits(body)) return;
         if (auto whole = mend(render, bones, prepared, setting, false, progress.part(0.15, 0.2))) {
-            measureDistance(render, whole->body);
+            measureDistance(render, prepared.mesh, whole->body);
             if (fits(whole->body) && whole->body.report.components <= body.report.components) {
                 body = std::move(whole->body);
                 return;
@@ -246,7 +258,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         const double flesh = meshFacts(body.mesh).volume / (1.0 - std::min(body.report.volumeError, 0.9));
         auto other = wrap(prepared, setting.detail, flesh, progress.part(0.2, 0.95));
         if (!other) return;
-        measureDistance(render, *other);
+        measureDistance(render, prepared.mesh, *other);
         const bool crosses = crossesItself(body);
         const bool nearer = other->report.distanceRms < body.report.distanceRms && other->report.volumeError <= std::max(kMuchLost, body.report.volumeError);
         const bool better = fits(*other) || (!crossesItself(*other) && (crosses || nearer));
@@ -265,12 +277,12 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         if (setting.how == BodyKind::Auto)
             replaceWhatFails(*body);
         else
-            measureDistance(render, *body);
+            measureDistance(render, prepared.mesh, *body);
     } else {
         body = wrap(prepared, setting.detail, mended ? meshFacts(mended->body.mesh).volume : 0.0, progress.part(0.2, 0.95));
         if (!body) return tl::unexpected(body.error());
         if (setting.how == BodyKind::Auto) body->report.issues.push_back({Severity::Info, "wrapped", "The mesh cannot be closed by mending: a new surface around everything was made.", 1, true, {}, {}});
-        measureDistance(render, *body);
+        measureDistance(render, prepared.mesh, *body);
     }
     BodyReport& report = body->report;
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());

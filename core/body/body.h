@@ -51,7 +51,7 @@ struct ClosedGaps {
 
 struct BodyReport {
     BodyKind how = BodyKind::Exact;  ///< never Auto
-    double distanceRms = 0.0, distanceLargest = 0.0;  ///< of the render vertices from the body's surface, in diagonals; without those that a mended body has in its flesh
+    double distanceRms = 0.0, distanceLargest = 0.0;  ///< of the render vertices from the body's surface, in diagonals; without those that nobody sees, in the flesh of other parts
     double volumeError = -1.0;       ///< relative to the volume inside the render mesh; negative: unknown, as the render mesh encloses none
     ClosedGaps gaps;
     std::vector<FleshLink> links;    ///< the volume that they add is no error

@@ -53,6 +53,13 @@ std::size_t dropHanging(MendSurface& s) {
     }
 }
 
+/// Ascending edges at which a piece of surface ends: each is there twice where the piece is closed by itself and touches others along them, as a wing on its hinge does.
+bool meetsItself(const std::vector<int>& rim) {
+    for (std::size_t i = 0; i < rim.size(); i += 2)
+        if (i + 1 == rim.size() || rim[i] != rim[i + 1]) return false;
+    return true;
+}
+
 /// Walls inside of flesh: pieces of surface whose rim lies on edges that are sound without them, or two such pieces with the same rim. Smallest first:
 /// a wall is smaller than what it divides.
 std::size_t dropWalls(MendSurface& s) {
@@ -85,6 +92,7 @@ std::size_t dropWalls(MendSurface& s) {
     for (auto& [first, piece] : byFirst) {
         if (piece.free || piece.rim.empty()) continue;
         std::sort(piece.rim.begin(), piece.rim.end());
+        if (meetsItself(piece.rim)) continue;
         byRim[piece.rim].push_back(std::move(piece));
     }
     struct Wall {

@@ -241,6 +241,13 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
     return std::shared_ptr<const ElementRuntime>(std::move(made));
 }
 
+void askForLoads(ElementTables& tables, std::initializer_list<int> columns) {
+    std::vector<int>& loads = tables.loads;
+    loads.insert(loads.end(), columns);
+    std::sort(loads.begin(), loads.end());
+    loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
+}
+
 void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take) {
     for (std::size_t f = 0; input.response && f < input.faces.size(); ++f) {
         const auto& face = input.faces[f];

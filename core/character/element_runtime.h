@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -26,6 +27,7 @@ namespace imomushi {
 /// Which tables of an element effects ask for (EffectSettings::ask()).
 struct ElementTables {
     std::vector<int> loads;  ///< columns of ElementResponse::loads that follow v, ascending
+    bool freeEnd = false;    ///< told, not asked for: it hangs on one joint, and the other end of its one bone is free
     int patches = 0;         ///< of touch, that its response has
     bool warp = false;       ///< ElementRuntime::warp
     bool fades = false;      ///< ElementRuntime::watch; frames without the warp are a product
@@ -34,6 +36,9 @@ struct ElementTables {
     bool dents = false;      ///< ElementRuntime::dents; with touch
     bool operator==(const ElementTables&) const = default;
 };
+
+/// Adds columns of loads to those that are asked for.
+void askForLoads(ElementTables& tables, std::initializer_list<int> columns);
 
 /// Layout of the embedded points in a frame. Vertices of an element are, in this order: body vertices, padding, embedded points (point i is
 /// vertex first + i), then kFrameVertices per attached part: its pivot and the points at distance `reach` (m) from it along x, y and z.

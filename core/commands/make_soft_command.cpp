@@ -130,16 +130,15 @@ public:
         return {};
     }
 
+    /// Free ends take their flesh with them. Costs columns of these elements alone, which their responses have anyway.
+    void stretchEnds() {
+        if (!proposal_.bones.empty()) enable(EffectKind::EndStretch, false);
+    }
+
     /// What an artist expects of a body that is dragged: bends without cracks, a soft skin over joints, bones that swing; of one that stands, the ground and a trunk that stays upright.
     /// What is on already stays as it is.
     void makeAlive() {
         if (proposal_.bones.empty()) return;
-        const auto enable = [&](EffectKind kind, bool automatic) {
-            if (document().effects.has(kind)) return;
-            Json line{{"do", "enable"}, {"effect", std::string(effectName(kind))}};
-            if (automatic) line["auto"] = true;
-            execute(line, "The effect \"" + std::string(effectName(kind)) + "\"");
-        };
         enable(EffectKind::BendWarp, true);
         enable(EffectKind::SmoothJoints, false);
         enable(EffectKind::BoneDynamics, false);
@@ -173,6 +172,13 @@ private:
     [[nodiscard]] const CharacterSource& source() const { return *document().characters.at(character_); }
     [[nodiscard]] bool cancelled() const { return progress_.cancelled(); }
     static tl::unexpected<Error> cancelledError() { return fail(kCancelled, "Making it soft was cancelled."); }
+
+    void enable(EffectKind kind, bool automatic) {
+        if (document().effects.has(kind)) return;
+        Json line{{"do", "enable"}, {"effect", std::string(effectName(kind))}};
+        if (automatic) line["auto"] = true;
+        execute(line, "The effect \"" + std::string(effectName(kind)) + "\"");
+    }
 
     Result<Json> execute(const Json& line, const std::string& what) {
         auto answer = access_.execute(line, progress_);
@@ -328,6 +334,7 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     seconds["cut"] = watch.lap();
     for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
         if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
+    maker.stretchEnds();
     if (arguments.value("alive", false)) maker.makeAlive();
     seconds["bones"] = watch.lap();
     step.end({"make-soft", source->name});

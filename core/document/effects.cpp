@@ -13,6 +13,7 @@
 #include "core/effects/bend_warp_job.h"
 #include "core/effects/body_loads_job.h"
 #include "core/effects/contact_job.h"
+#include "core/effects/end_stretch.h"
 #include "core/effects/ground_job.h"
 #include "core/effects/joint_dynamics_job.h"
 #include "core/effects/previous_model_job.h"
@@ -86,6 +87,7 @@ constexpr EffectDescriptor kTable[] = {
     row<BoneDynamicsEffect>(EffectKind::BoneDynamics, {.scope = EffectScope::Bones, .dependsOnMotion = true}),
     row<SmoothJointsEffect>(EffectKind::SmoothJoints, {.pairs = smoothJointsPairs}),
     row<BendWarpEffect>(EffectKind::BendWarp, {.scope = EffectScope::Elements, .canBeAutomatic = true, .pairs = bendWarpPairs}),
+    row<EndStretchEffect>(EffectKind::EndStretch, {.scope = EffectScope::Elements}),
     row<JointDynamicsEffect>(EffectKind::JointDynamics, {.dependsOnMotion = true, .pairs = jointDynamicsPairs}),
     row<PreviousModelEffect>(EffectKind::PreviousModel, {.tractions = true, .dependsOnMotion = true, .pairs = previousModelPairs}),
     row<GravityEffect>(EffectKind::Gravity, {.scope = EffectScope::Elements}),

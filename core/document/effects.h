@@ -24,7 +24,7 @@ using PartId = std::uint64_t;
 
 /// What a scene may ask for beyond the static pose (the manual's effects). All are off until they are enabled; one that is off has no state, no columns
 /// and no row in the statistics. effects.cpp describes each effect in one row of a table.
-enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Contact, Ground, kCount };
+enum class EffectKind { BoneDynamics, SmoothJoints, BendWarp, EndStretch, JointDynamics, PreviousModel, Gravity, Inflate, Touch, Contact, Ground, kCount };
 inline constexpr std::size_t kEffects = static_cast<std::size_t>(EffectKind::kCount);
 
 struct Effect {

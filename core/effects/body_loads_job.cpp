@@ -12,16 +12,10 @@ namespace imomushi {
 
 namespace {
 
-constexpr Eigen::Index kGravityColumns = 3;
+constexpr Eigen::Index kForceColumns = 3;  // the first of ElementResponse::loads
 constexpr int kPressureColumn = 3;  // of ElementResponse::loads
 constexpr double kEarth = 9.81;     // m/s^2
 constexpr double kLeastHeight = 0.1;       // a height below that part of the diagonal does not count as one
-
-void askFor(std::vector<int>& loads, std::initializer_list<int> columns) {
-    loads.insert(loads.end(), columns);
-    std::sort(loads.begin(), loads.end());
-    loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
-}
 
 }  // namespace
 
@@ -40,7 +34,7 @@ std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
         Whole& whole = wholeOf(e);
         whole.low = whole.low.cwiseMin(element.mesh->body.vertices.colwise().minCoeff().transpose());
         whole.high = whole.high.cwiseMax(element.mesh->body.vertices.colwise().maxCoeff().transpose());
-        if (!element.response || element.response->loads.cols() < kGravityColumns) continue;
+        if (!element.response || element.response->loads.cols() < kForceColumns) continue;
         const auto down = element.response->loads.col(1);
         for (Eigen::Index i = 0; i < down.size(); i += 3)
             whole.softest = std::max(whole.softest, kEarth * CharacterInput::Element::kStandardDensity * down.segment<3>(i).norm());
@@ -54,8 +48,8 @@ std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
     return moduli;
 }
 
-void GravityEffect::ask(ElementTables& tables) const { askFor(tables.loads, {0, 1, 2}); }
-void InflateEffect::ask(ElementTables& tables) const { askFor(tables.loads, {kPressureColumn}); }
+void GravityEffect::ask(ElementTables& tables) const { askForLoads(tables, {0, 1, 2}); }
+void InflateEffect::ask(ElementTables& tables) const { askForLoads(tables, {kPressureColumn}); }
 
 Result<void> GravityEffect::addJob(Frame& frame, FrameJobs& jobs) const {
     jobs.add<BodyLoadsJob>(frame).add(*this);
@@ -72,11 +66,27 @@ BodyLoadsJob::BodyLoadsJob(const Frame& frame) : FrameJob({}, {{Stage::Loads, Fr
     for (const auto& e : frame.elements) {
         const auto& loads = e.runtime->input.tables.loads;
         auto& made = elements_.emplace_back();
-        made.gravity = !loads.empty() && loads.front() == 0;
-        made.inflated = !loads.empty() && loads.back() == kPressureColumn;
+        made.forces = !loads.empty() && loads.front() == 0;
+        made.pressure = !loads.empty() && loads.back() == kPressureColumn;
         made.modulus = moduli[elements_.size() - 1];
         made.acceleration.reset(e.runtime->middle);
     }
+}
+
+void BodyLoadsJob::add(const GravityEffect& gravity) {
+    gravity_ = gravity;
+    for (std::size_t e = 0; e < elements_.size(); ++e) elements_[e].gravity = elements_[e].forces && gravity.on(e);
+}
+
+void BodyLoadsJob::add(const InflateEffect& inflate) {
+    inflate_ = inflate;
+    for (std::size_t e = 0; e < elements_.size(); ++e) elements_[e].inflated = elements_[e].pressure && inflate.on(e);
+}
+
+void BodyLoadsJob::add(const EndStretchEffect& stretch, const Frame& frame) {
+    stretch_ = stretch;
+    for (std::size_t e = 0; e < elements_.size(); ++e)
+        if (stretch.on(e)) elements_[e].stretch = EndStretch::of(frame, e);
 }
 
 void BodyLoadsJob::run(Stage, Frame& frame) {
@@ -86,7 +96,7 @@ void BodyLoadsJob::run(Stage, Frame& frame) {
     else
         phase_ = {};
     for (std::size_t e = 0; e < elements_.size(); ++e)
-        if (elements_[e].gravity || elements_[e].inflated) load(frame, e);
+        if (elements_[e].forces || elements_[e].pressure) load(frame, e);
 }
 
 void BodyLoadsJob::load(Frame& frame, std::size_t e) {
@@ -96,6 +106,7 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
     const auto& given = frame.input.elements[e];
     const auto& runtime = *out.runtime;
     const Eigen::Index first = out.v.size(), count = all.size() - first;
+    all.tail(count).setZero();
     if (own.gravity) {
         const Vec3 place = out.frame(runtime.middle);
         if (frame.stopped) own.acceleration.reset(place);
@@ -105,18 +116,18 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
         // Flesh that lies on the ground does not lag into it, nor off it: the ground carries it. Bones that the ground moves by their flesh would move it on and on.
         Vec3 lag = gravity_->inertia * own.acceleration.value();
         lag -= (1.0 - out.aloft) * frame.up.dot(lag) * frame.up;
-        all.segment<kGravityColumns>(first) = softness * (out.frame.linear.transpose() * (gravity_->acceleration - lag));
+        all.segment<kForceColumns>(first) = softness * (out.frame.linear.transpose() * (gravity_->acceleration - lag));
     }
     if (own.inflated) all[first + count - 1] = (inflate_->pressure + inflate_->breath * std::sin(phase_.radians())) / given.stiffness;
     const double wanted = all.tail(count).cwiseAbs().dot(runtime.columnSize.tail(count)), most = kMaxLoaded * runtime.size;
     out.jointForces.setZero();
-    if (wanted <= 0.0) return;
-    all.tail(count) *= most * std::tanh(wanted / most) / wanted;
+    if (wanted > 0.0) all.tail(count) *= most * std::tanh(wanted / most) / wanted;
     if (wanted > most) frame.warn(FrameWarning::LoadsBounded);
+    if (own.stretch) all.segment<kForceColumns>(first) += own.stretch->load(frame.pose);
     if (!frame.smooth) return;
     const auto& forces = given.response->loadForces;
-    if (own.gravity) out.jointForces.noalias() += forces.leftCols<kGravityColumns>() * all.segment<kGravityColumns>(first);
-    if (own.inflated) out.jointForces.noalias() += forces.col(kPressureColumn) * all[first + count - 1];
+    if (own.forces) out.jointForces.noalias() += forces.leftCols<kForceColumns>() * all.segment<kForceColumns>(first);
+    if (own.pressure) out.jointForces.noalias() += forces.col(kPressureColumn) * all[first + count - 1];
 }
 
 void BodyLoadsJob::tune(const EffectSettings& settings) {
@@ -132,19 +143,20 @@ bool BodyLoadsJob::resting(const Frame&) const {
 
 // Besides their own time, loads have a share of the product by their columns.
 void BodyLoadsJob::report(Frame& frame, double ms) const {
-    double columns = 0.0, gravity = 0.0, inflated = 0.0;
+    double columns = 0.0, gravity = 0.0, inflated = 0.0, stretched = 0.0;
     for (std::size_t i = 0; i < elements_.size(); ++i) {
         const auto& e = frame.elements[i];
         if (e.work != VertexWork::Evaluate && e.work != VertexWork::EvaluateAndKeep) continue;
         const auto vertices = static_cast<double>(e.runtime->free.size());
         columns += vertices * static_cast<double>(e.weights().size());
-        if (elements_[i].gravity) gravity += static_cast<double>(kGravityColumns) * vertices;
+        if (elements_[i].forces) (elements_[i].gravity ? gravity : stretched) += static_cast<double>(kForceColumns) * vertices;
         if (elements_[i].inflated) inflated += vertices;
     }
     const double perColumn = columns > 0.0 ? frame.stats.productMs / columns : 0.0;
-    const double own = (ms + frame.loadMsOfWarp) * (gravity_ && inflate_ ? 0.5 : 1.0);
+    const double own = (ms + frame.loadMsOfWarp) / (gravity_.has_value() + inflate_.has_value() + stretch_.has_value());
     if (gravity_) frame.setTime(GravityEffect::kName, own + perColumn * gravity);
     if (inflate_) frame.setTime(InflateEffect::kName, own + perColumn * inflated);
+    if (stretch_) frame.setTime(EndStretchEffect::kName, own + perColumn * stretched);
 }
 
 }  // namespace imomushi

@@ -8,6 +8,7 @@
 #include "core/character/effect_settings.h"
 #include "core/character/frame.h"
 #include "core/character/frame_job.h"
+#include "core/effects/end_stretch.h"
 #include "core/effects/smoothed_acceleration.h"
 #include "core/mesh/mesh.h"
 
@@ -71,7 +72,7 @@ struct InflateEffect : EffectOf<InflateEffect> {
     [[nodiscard]] Result<void> addJob(Frame& frame, FrameJobs& jobs) const override;
 };
 
-/// The weights of body loads: force per volume and pressure in the frame of each element, and what they put on its joints. One job for both effects, which
+/// The weights of body loads: force per volume and pressure in the frame of each element, and what they put on its joints. One job for all their effects. Gravity and pressure
 /// share a bound: loads are linear, and deform no element by more than kMaxLoaded of its size, approached smoothly.
 ///   warns   LoadsBounded
 class BodyLoadsJob final : public FrameJob {
@@ -79,8 +80,12 @@ public:
     static constexpr double kMaxLoaded = 0.25;
 
     explicit BodyLoadsJob(const Frame& frame);
-    void add(const GravityEffect& gravity) { gravity_ = gravity; }
-    void add(const InflateEffect& inflate) { inflate_ = inflate; }
+    void add(const GravityEffect& gravity);
+    void add(const InflateEffect& inflate);
+    void add(const EndStretchEffect& stretch, const Frame& frame);
+
+    /// Nullptr: nothing stretches it so.
+    [[nodiscard]] const EndStretch* endStretch(std::size_t element) const { return elements_[element].stretch ? &*elements_[element].stretch : nullptr; }
 
     void run(Stage stage, Frame& frame) override;
     void tune(const EffectSettings& settings) override;
@@ -89,7 +94,9 @@ public:
 
 private:
     struct Element {
-        bool gravity = false, inflated = false;
+        bool forces = false, pressure = false;  // it has these columns,
+        bool gravity = false, inflated = false; // and an effect asked for them
+        std::optional<EndStretch> stretch;
         double modulus = 0.0;               // Pa, for a sag of the whole height
         SmoothedAcceleration acceleration;  // of its middle
     };
@@ -97,6 +104,7 @@ private:
 
     std::optional<GravityEffect> gravity_;
     std::optional<InflateEffect> inflate_;
+    std::optional<EndStretchEffect> stretch_;
     Phase phase_;  // of the breath
     std::vector<Element> elements_;
 };

@@ -43,11 +43,15 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
         out["sizes"].push_back(largest);
         forces.col(static_cast<Eigen::Index>(i)) = element.stiffness * element.response->loadForces.col(columns[i]);
     }
-    if (columns.front() == 0) {
-        const auto& gravity = *effects.find<GravityEffect>();
-        const double modulus = gravity.shearModulus > 0.0 ? gravity.shearModulus : modulusForSag(content.scene.character, gravity.sag)[e];
+    if (const auto* gravity = effects.find<GravityEffect>(); columns.front() == 0 && gravity && gravity->on(e)) {
+        const double modulus = gravity->shearModulus > 0.0 ? gravity->shearModulus : modulusForSag(content.scene.character, gravity->sag)[e];
         out["softness"] = modulus > 0.0 ? element.density / (modulus * element.stiffness) : 0.0;
     }
+    if (const BodyLoadsJob* job = content.motion.character.job<BodyLoadsJob>())
+        if (const EndStretch* stretch = job->endStretch(e)) {
+            const auto& is = stretch->constants();
+            out["stretch"] = {{"joint", is.joint}, {"end", is.end}, {"length", is.length}, {"longer", EndStretch::kMostLonger}, {"shorter", EndStretch::kMostShorter}, {"perMetre", numbers(is.perMetre)}};
+        }
     if (columns.back() == 3) out["pressure"] = effects.find<InflateEffect>()->pressure / element.stiffness;
     if (effects.has<SmoothJointsEffect>()) out["forces"] = rowByRow(forces);
     return out;

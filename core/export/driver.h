@@ -20,10 +20,12 @@ namespace imomushi {
 /// among those of the part:
 ///   elements  parts: [[part, first]]: weights of the targets from `first` on = matrix times v; where several elements have the same targets, their sum
 /// With v as in eq. (5) of Watanabe et al. 2006 (FaceBasis), followed by body loads. Joints take the shape a = b = 1 + shrink * s.
-/// Body loads (gravity, inflate), where there are any, as they are in a body at rest; columns follow those of v:
+/// Body loads (gravity, inflate, end-stretch), where there are any, as they are in a body at rest; columns follow those of v:
 ///   gravity   of free fall, m/s^2
 ///   elements  loads: {column, sizes, most, softness, pressure, forces}: numbers from `column` on are softness * gravity in the axes of the element (with
-///             softness), then pressure (with pressure); all of them times most tanh(w / most) / w, w = sum of their absolute values times sizes
+///             softness; else, with stretch, zeros), then pressure (with pressure); all of them times most tanh(w / most) / w, w = sum of their absolute values times sizes
+///             stretch: {joint, end, length, longer, shorter, perMetre}: the first three are more by r tanh(d / r) * perMetre, d = distance of these two points minus length,
+///             r = length times longer, where d is negative shorter
 /// Smooth joints, where they are on (JointEquilibrium, whose constants these are): S and warping of all joints minimise the sum over elements of
 /// 1/2 v^T stiffness v + v^T forces loads, v = of rigid joints + spread times the tables of the joints of its faces, turned:
 ///   smooth    {entries: per entry of a table [[parameter, share]], parameters, leastStiffness, stretch: [least, most], fold, slope}

@@ -252,6 +252,28 @@ TEST_CASE("body: walls and fins where more than two triangles meet are left out"
     CHECK(finned.mesh.triangles.rows() == fin.triangles.rows() - 1);
 }
 
+TEST_CASE("body: a wing that hangs on an edge of the body is no wall inside of it") {
+    TriangleMesh bird = both(boxOf(Vec3::Zero(), Vec3::Ones(), 1), moved(boxOf(Vec3::Zero(), Vec3(0.5, 0.5, 1.0), 1), 1.0, Vec3(1.0, 1.0, 0.0)));
+    for (Eigen::Index i = 0; i < bird.triangles.size(); ++i) {
+        std::int32_t& v = bird.triangles.data()[i];
+        for (std::int32_t w = 0; w < v; ++w)
+            if (bird.vertices.row(w) == bird.vertices.row(v)) v = w;
+    }
+    const Body body = made(bird, BodyKind::Mended);
+    CHECK_FALSE(has(body, "inner-wall"));
+    CHECK(volume(body) == doctest::Approx(1.25).epsilon(1e-3));
+    CHECK(body.report.components == 1);
+    CHECK(body.report.distanceLargest < 1e-3);
+}
+
+TEST_CASE("body: what lies in the flesh of the mesh itself, where nobody sees it, is no distance of a wrap") {
+    // An eye half in a ball that has a hole.
+    const TriangleMesh head = without(shapes::sphere(1.0, 3).mesh, {0, 1, 2, 3}), eye = moved(shapes::sphere(1.0, 3).mesh, 0.5, Vec3(0.0, 0.0, 1.0));
+    const Body body = made(both(head, eye), BodyKind::Wrapped);
+    CHECK(volume(body) > 4.2);
+    CHECK(body.report.distanceLargest < 0.02);  // the back of the eye is .2 of the size inside
+}
+
 TEST_CASE("body: loose triangles are wrapped, and the ball does not fall through the slits") {
     const TriangleMesh ball = shapes::sphere(1.0, 3).mesh;
     const Body body = made(exploded(ball, 0.9), BodyKind::Wrapped);

@@ -139,6 +139,18 @@ public:
         good({{"do", "add-bone"}, {"name", "a"}, {"from", "A/in"}, {"to", "A/out"}});
         good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", "B/out"}});
     }
+    /// The same, but B has no face at its far end, which goes where it will.
+    void buildFreeEnd() {
+        good({{"do", "import-element"}, {"path", "bar0"}, {"name", "A"}});
+        good({{"do", "import-element"}, {"path", "bar1"}, {"name", "B"}});
+        for (const char* element : {"A", "B"}) good({{"do", "set"}, {"target", element}, {"property", "solver-mesh"}, {"value", "as-is"}});
+        addFace("A", "in", 0, -1);
+        addFace("A", "out", 3, 1);
+        addFace("B", "in", 3, -1);
+        good({{"do", "join"}, {"a", "A/out"}, {"b", "B/in"}});
+        good({{"do", "add-bone"}, {"name", "a"}, {"from", "A/in"}, {"to", "A/out"}});
+        good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", {0.0, 0.0, 6.0}}});
+    }
     Json addFace(const std::string& element, const std::string& name, double z, double normal) {
         return good({{"do", "add-joint-face"}, {"element", element}, {"name", name},
                      {"plane", {{"origin", {0, 0, z}}, {"normal", {0, 0, normal}}}}});

@@ -26,6 +26,42 @@ Json skeletonData(const std::filesystem::path& glb) {
     return {};
 }
 
+/// Exports the shown pose and lets the driver pose the same: weights of all targets.
+void checkDriven(Workbench& w) {
+    const auto path = Workbench::folder() / "driven.glb";
+    w.good({{"do", "export"}, {"layout", "rigged"}, {"path", path.string()}});
+
+    const Character& character = *w.session.character();
+    const Pose& pose = w.session.shownPose();
+    Json told{{"points", Json::array()}, {"rolls", pose.roll}, {"rotations", Json::array()}, {"weights", Json::array()}};
+    for (const Vec3& p : pose.points) told["points"].push_back({p.x(), p.y(), p.z()});
+    for (const auto& q : pose.frames) told["rotations"].push_back({q.x(), q.y(), q.z(), q.w()});
+    std::vector<double> shape(static_cast<std::size_t>(character.shapeLayout().size()));
+    character.shape(shape.data());
+    double largest = 0.0;
+    const Json data = skeletonData(path);
+    for (std::size_t e = 0; e < data["elements"].size(); ++e) {
+        const double* v = shape.data() + character.shapeLayout().element(e) + ShapeLayout::kFrame;
+        const Json& matrix = data["elements"][e]["matrix"];
+        const auto columns = data["elements"][e]["columns"].get<std::size_t>();
+        Json weights = Json::array();
+        for (std::size_t t = 0; t * columns < matrix.size(); ++t) {
+            double sum = 0.0;
+            for (std::size_t c = 0; c < columns; ++c) sum += matrix[t * columns + c].get<double>() * v[c];
+            weights.push_back(sum);
+            largest = std::max(largest, std::abs(sum));
+        }
+        told["weights"].push_back(weights);
+    }
+    CHECK(largest > 0.01);
+    Workbench::writeFile(Workbench::folder() / "pose.json", told.dump());
+    const std::string out = printed("node '" IMOMUSHI_EXPORT_TESTS "/check_weights.mjs' '" + path.string() + "' '" + (Workbench::folder() / "pose.json").string() + "' '" IMOMUSHI_DRIVERS "/three.js' 2>&1");
+    INFO(out);
+    // Both work in double precision, by the same steps; sums are in another order.
+    CHECK(std::atof(out.c_str()) < 1e-9);
+    CHECK(out.find("rror") == std::string::npos);
+}
+
 }  // namespace
 
 TEST_CASE("driver: smooth joints, gravity and inflation weigh morph targets as the character does") {
@@ -42,39 +78,22 @@ TEST_CASE("driver: smooth joints, gravity and inflation weigh morph targets as t
             w.good({{"do", "pin"}, {"endpoint", "a/start"}});
             w.good({{"do", "drag"}, {"endpoint", "b/start"}, {"to", {0.3, -0.2, 3.2}}});
             w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.5, 0.4, 5.0}}, {"roll", 0.3}});
-            const auto path = Workbench::folder() / "driven.glb";
-            w.good({{"do", "export"}, {"layout", "rigged"}, {"path", path.string()}});
-
-            const Character& character = *w.session.character();
-            const Pose& pose = w.session.shownPose();
-            Json told{{"points", Json::array()}, {"rolls", pose.roll}, {"rotations", Json::array()}, {"weights", Json::array()}};
-            for (const Vec3& p : pose.points) told["points"].push_back({p.x(), p.y(), p.z()});
-            for (const auto& q : pose.frames) told["rotations"].push_back({q.x(), q.y(), q.z(), q.w()});
-            std::vector<double> shape(static_cast<std::size_t>(character.shapeLayout().size()));
-            character.shape(shape.data());
-            double largest = 0.0;
-            const Json data = skeletonData(path);
-            for (std::size_t e = 0; e < data["elements"].size(); ++e) {
-                const double* v = shape.data() + character.shapeLayout().element(e) + ShapeLayout::kFrame;
-                const Json& matrix = data["elements"][e]["matrix"];
-                const auto columns = data["elements"][e]["columns"].get<std::size_t>();
-                Json weights = Json::array();
-                for (std::size_t t = 0; t * columns < matrix.size(); ++t) {
-                    double sum = 0.0;
-                    for (std::size_t c = 0; c < columns; ++c) sum += matrix[t * columns + c].get<double>() * v[c];
-                    weights.push_back(sum);
-                    largest = std::max(largest, std::abs(sum));
-                }
-                told["weights"].push_back(weights);
-            }
-            CHECK(largest > 0.01);
-            Workbench::writeFile(Workbench::folder() / "pose.json", told.dump());
-            const std::string out = printed("node '" IMOMUSHI_EXPORT_TESTS "/check_weights.mjs' '" + path.string() + "' '" + (Workbench::folder() / "pose.json").string() + "' '" IMOMUSHI_DRIVERS "/three.js' 2>&1");
-            INFO(out);
-            // Both work in double precision, by the same steps; sums are in another order.
-            CHECK(std::atof(out.c_str()) < 1e-9);
-            CHECK(out.find("rror") == std::string::npos);
+            checkDriven(w);
         }
+}
+
+TEST_CASE("driver: flesh at free ends stretches with its bone as that of the character does") {
+    if (printed("node --version 2>/dev/null").empty()) return leaveOut("node is not installed");
+    for (const auto& effects : std::initializer_list<std::vector<const char*>>{{"end-stretch"}, {"end-stretch", "smooth-joints", "gravity", "inflate"}}) {
+        Workbench w;
+        w.buildFreeEnd();
+        for (const char* effect : effects) w.good({{"do", "enable"}, {"effect", effect}});
+        w.good({{"do", "precompute"}});
+        w.good({{"do", "pin"}, {"endpoint", "a/start"}});
+        w.good({{"do", "drag"}, {"endpoint", "b/start"}, {"to", {0.3, -0.2, 3.2}}});
+        w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.5, 0.4, 7.0}}, {"roll", 0.3}});
+        checkDriven(w);
+    }
 }
 
 TEST_CASE("driver: parts of a character are weighed by all elements that move them, with targets of their own or shared") {
