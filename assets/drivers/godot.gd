@@ -256,10 +256,13 @@ func _measure(element: Dictionary, frame: Transform3D, joints: Array) -> Array[f
 		if loads.has("stretch"):
 			var stretch: Dictionary = loads["stretch"]
 			var rest: float = stretch["length"]
-			var more: float = points[int(stretch["end"])].distance_to(points[int(stretch["joint"])]) - rest
-			var room: float = rest * (stretch["shorter"] if more < 0.0 else stretch["longer"])
-			for i in 3:
-				v[int(loads["column"]) + i] += room * tanh(more / room) * stretch["perMetre"][i]
+			var along: Vector3 = frame.basis.transposed() * (points[int(stretch["end"])] - points[int(stretch["near"])])
+			var now := along.length()
+			var room: float = rest * (stretch["shorter"] if now < rest else stretch["longer"])
+			if now > 0.0:
+				var pull: Vector3 = room * tanh((now - rest) / room) / now * (_basis(stretch["perMetre"]) * along)
+				for i in 3:
+					v[int(loads["column"]) + i] += pull[i]
 	return v
 
 

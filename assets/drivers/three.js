@@ -240,9 +240,9 @@ export class ImomushiDriver {
             const part = wanted > 0 ? (loads.most * Math.tanh(wanted / loads.most)) / wanted : 0;
             all.forEach((x, i) => (v[loads.column + i] = part * x));
             if (loads.stretch) {
-                const { joint, end, length: rest, longer, shorter, perMetre } = loads.stretch, more = length(sub(this.points[end], this.points[joint])) - rest;
-                const room = rest * (more < 0 ? shorter : longer);
-                perMetre.forEach((x, i) => (v[loads.column + i] += room * Math.tanh(more / room) * x));
+                const { near, end, length: rest, longer, shorter, perMetre } = loads.stretch, along = times3(toElement, sub(this.points[end], this.points[near]));
+                const now = length(along), more = now - rest, room = rest * (more < 0 ? shorter : longer);
+                if (now > 0) times3(perMetre, along).forEach((x, i) => (v[loads.column + i] += (room * Math.tanh(more / room) * x) / now));
             }
         }
         return v;

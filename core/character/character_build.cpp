@@ -4,6 +4,7 @@
 #include "core/base/parallel.h"
 #include "core/character/character_state.h"
 #include "core/character/check_input.h"
+#include "core/character/free_end.h"
 #include "core/character/lateral_contraction.h"
 #include "core/touch/touch_contact.h"
 
@@ -80,24 +81,12 @@ Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::s
     const auto& given = frame.input.elements[e];
     ElementRuntime::Input input{given.mesh, given.faces, given.response, {}, frame.input.format, {}, given.nu, given.embedded};
     for (const int j : frame.elements[e].jointOf) input.covered.push_back(frame.input.joints[static_cast<std::size_t>(j)].faces.size() >= 2);
-    input.tables.freeEnd = hasFreeEnd(e);
+    input.tables.freeEnd = freeEndOf(frame.input, e).has_value();
     for (const auto& effect : frame.input.effects)
         if (effect->on(e)) effect->ask(input.tables);
     if (!given.response || given.response->loads.size() == 0) input.tables.loads.clear();
     if (auto found = known.find(input)) return found;
     return ElementRuntime::build(std::move(input), known);
-}
-
-bool Character::State::hasFreeEnd(std::size_t e) const {
-    const auto& given = frame.input.elements[e];
-    if (given.bones.size() != 1) return false;
-    const auto hangs = std::find_if(jointsOf[e].begin(), jointsOf[e].end(), [&](int j) { return hangsOnItsJoint(given, frame.input.joints[static_cast<std::size_t>(j)]); });
-    if (hangs == jointsOf[e].end()) return false;
-    const auto& bones = frame.input.skeleton.bones;
-    const auto& bone = bones[static_cast<std::size_t>(given.bones[0])];
-    const int joint = frame.input.joints[static_cast<std::size_t>(*hangs)].point, end = bone.start == joint ? bone.end : bone.start;
-    const auto uses = std::count_if(bones.begin(), bones.end(), [&](const auto& b) { return b.start == end || b.end == end; });
-    return uses == 1 && std::none_of(frame.input.joints.begin(), frame.input.joints.end(), [&](const auto& j) { return j.point == end; });
 }
 
 void Character::State::buildJoint(std::size_t j, double contraction) {

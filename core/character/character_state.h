@@ -35,8 +35,6 @@ struct Character::State {
     // Once (character_build.cpp).
     Result<void> build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes);
     Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known) const;
-    /// It hangs on one joint, and the other end of its one bone is in no joint and no other bone.
-    [[nodiscard]] bool hasFreeEnd(std::size_t e) const;
     void buildJoint(std::size_t j, double contraction);
     void buildHandles();
     void buildElement(std::size_t e);

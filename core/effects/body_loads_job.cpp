@@ -123,7 +123,7 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
     out.jointForces.setZero();
     if (wanted > 0.0) all.tail(count) *= most * std::tanh(wanted / most) / wanted;
     if (wanted > most) frame.warn(FrameWarning::LoadsBounded);
-    if (own.stretch) all.segment<kForceColumns>(first) += own.stretch->load(frame.pose);
+    if (own.stretch) all.segment<kForceColumns>(first) += own.stretch->load(frame.pose, out.frame.linear.transpose());
     if (!frame.smooth) return;
     const auto& forces = given.response->loadForces;
     if (own.forces) out.jointForces.noalias() += forces.leftCols<kForceColumns>() * all.segment<kForceColumns>(first);

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/character/frame.h"
-#include "core/character/lateral_contraction.h"
 #include "core/effects/body_loads_job.h"
 
 namespace imomushi {
@@ -45,30 +44,30 @@ Result<void> EndStretchEffect::addJob(Frame& frame, FrameJobs& jobs) const {
 
 std::optional<EndStretch> EndStretch::of(const Frame& frame, std::size_t element) {
     const auto& given = frame.input.elements[element];
-    const auto& tables = frame.elements[element].runtime->input.tables;
-    if (!tables.freeEnd || tables.loads.empty() || tables.loads.front() != 0) return std::nullopt;
-    const auto& skeleton = frame.input.skeleton;
-    const auto& bone = skeleton.bones[static_cast<std::size_t>(given.bones.front())];
+    const auto& loads = frame.elements[element].runtime->input.tables.loads;
+    const auto at = freeEndOf(frame.input, element);
+    if (!at || loads.empty() || loads.front() != 0) return std::nullopt;
+    const auto& points = frame.input.skeleton.points;
+    const Vec3 end = points[static_cast<std::size_t>(at->end)], along = end - points[static_cast<std::size_t>(at->near)];
     EndStretch out;
-    Constants& is = out.is_;
-    is.joint = frame.input.joints[static_cast<std::size_t>(frame.elements[element].anchorJoint)].point;
-    is.end = bone.start == is.joint ? bone.end : bone.start;
-    const Vec3 end = skeleton.points[static_cast<std::size_t>(is.end)], along = end - skeleton.points[static_cast<std::size_t>(is.joint)];
-    is.length = along.norm();
-    const Eigen::FullPivLU<Eigen::Matrix3d> moves(movesAround(*given.response, given.mesh->body.vertices, end, kAround * is.length));
+    out.is_.at = *at;
+    out.is_.length = along.norm();
+    const Eigen::FullPivLU<Eigen::Matrix3d> moves(movesAround(*given.response, given.mesh->body.vertices, end, kAround * out.is_.length));
     if (!moves.isInvertible()) return std::nullopt;
-    is.perMetre = moves.solve(along / is.length);
-    if (!is.perMetre.allFinite()) return std::nullopt;
-    const Eigen::VectorXd way = given.response->loads.leftCols<3>() * is.perMetre;
+    out.is_.perMetre = moves.inverse();
+    const Eigen::VectorXd way = given.response->loads.leftCols<3>() * (out.is_.perMetre * (along / out.is_.length));
+    if (!way.allFinite()) return std::nullopt;
     double largest = 0.0;
     for (Eigen::Index i = 0; i < way.size(); i += 3) largest = std::max(largest, way.segment<3>(i).norm());
     return largest <= kMostBeside ? std::optional(out) : std::nullopt;
 }
 
-Vec3 EndStretch::load(const Pose& pose) const {
-    const double longer = (pose.points[static_cast<std::size_t>(is_.end)] - pose.points[static_cast<std::size_t>(is_.joint)]).norm() - is_.length;
+Vec3 EndStretch::load(const Pose& pose, const Eigen::Matrix3d& toElement) const {
+    const Vec3 along = pose.points[static_cast<std::size_t>(is_.at.end)] - pose.points[static_cast<std::size_t>(is_.at.near)];
+    const double length = along.norm(), longer = length - is_.length;
+    if (length <= 0.0) return Vec3::Zero();
     const double room = is_.length * (longer < 0.0 ? kMostShorter : kMostLonger);
-    return room * std::tanh(longer / room) * is_.perMetre;
+    return room * std::tanh(longer / room) / length * (is_.perMetre * (toElement * along));
 }
 
 }  // namespace imomushi

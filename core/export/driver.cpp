@@ -50,7 +50,7 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
     if (const BodyLoadsJob* job = content.motion.character.job<BodyLoadsJob>())
         if (const EndStretch* stretch = job->endStretch(e)) {
             const auto& is = stretch->constants();
-            out["stretch"] = {{"joint", is.joint}, {"end", is.end}, {"length", is.length}, {"longer", EndStretch::kMostLonger}, {"shorter", EndStretch::kMostShorter}, {"perMetre", numbers(is.perMetre)}};
+            out["stretch"] = {{"near", is.at.near}, {"end", is.at.end}, {"length", is.length}, {"longer", EndStretch::kMostLonger}, {"shorter", EndStretch::kMostShorter}, {"perMetre", numbers(is.perMetre)}};
         }
     if (columns.back() == 3) out["pressure"] = effects.find<InflateEffect>()->pressure / element.stiffness;
     if (effects.has<SmoothJointsEffect>()) out["forces"] = rowByRow(forces);

@@ -149,7 +149,7 @@ public:
         addFace("B", "in", 3, -1);
         good({{"do", "join"}, {"a", "A/out"}, {"b", "B/in"}});
         good({{"do", "add-bone"}, {"name", "a"}, {"from", "A/in"}, {"to", "A/out"}});
-        good({{"do", "add-bone"}, {"name", "b"}, {"from", "a/end"}, {"to", {0.0, 0.0, 6.0}}});
+        good({{"do", "add-bone"}, {"name", "b"}, {"element", "B"}, {"from", "a/end"}, {"to", {0.0, 0.0, 6.0}}});
     }
     Json addFace(const std::string& element, const std::string& name, double z, double normal) {
         return good({{"do", "add-joint-face"}, {"element", element}, {"name", name},
