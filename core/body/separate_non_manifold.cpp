@@ -16,6 +16,8 @@ namespace {
 constexpr double kHanging = 0.05;
 /// Of the whole area: walls beyond it are a part of the shape.
 constexpr double kWalls = 0.2;
+/// Volume over area^1.5 up to which a closed piece is two sides of a sheet.
+constexpr double kSheet = 1e-6;
 
 double faceArea(const MendSurface& s, const MendFace& f) {
     const Vec3 a = s.points.row(f.v[0]), b = s.points.row(f.v[1]), c = s.points.row(f.v[2]);
@@ -53,11 +55,15 @@ std::size_t dropHanging(MendSurface& s) {
     }
 }
 
-/// Ascending edges at which a piece of surface ends: each is there twice where the piece is closed by itself and touches others along them, as a wing on its hinge does.
-bool meetsItself(const std::vector<int>& rim) {
+/// A closed piece that touches others along edges and encloses flesh, as a wing on its hinge does. `rim`: of its triangles, ascending, its edges with more than two: each is there twice.
+bool isFlesh(const MendSurface& s, const std::vector<std::int32_t>& faces, const std::vector<int>& rim, double area) {
     for (std::size_t i = 0; i < rim.size(); i += 2)
         if (i + 1 == rim.size() || rim[i] != rim[i + 1]) return false;
-    return true;
+    const Vec3 from = s.points.row(s.faces[at(faces.front())].v[0]);
+    const auto corner = [&](std::int32_t f, std::size_t k) { return Vec3(s.points.row(s.faces[at(f)].v[k]).transpose() - from); };
+    double volume = 0.0;
+    for (const std::int32_t f : faces) volume += corner(f, 0).dot(corner(f, 1).cross(corner(f, 2))) / 6.0;
+    return std::abs(volume) > kSheet * area * std::sqrt(area);
 }
 
 /// Walls inside of flesh: pieces of surface whose rim lies on edges that are sound without them, or two such pieces with the same rim. Smallest first:
@@ -92,7 +98,7 @@ std::size_t dropWalls(MendSurface& s) {
     for (auto& [first, piece] : byFirst) {
         if (piece.free || piece.rim.empty()) continue;
         std::sort(piece.rim.begin(), piece.rim.end());
-        if (meetsItself(piece.rim)) continue;
+        if (isFlesh(s, piece.faces, piece.rim, piece.area)) continue;
         byRim[piece.rim].push_back(std::move(piece));
     }
     struct Wall {

@@ -201,7 +201,7 @@ TEST_CASE("examples: every solver mesh, effect, basis and layout that the manual
     CHECK(meshes.size() == 7);
     for (const std::string& mesh : meshes) add({{"do", "set"}, {"target", "head"}, {"property", "solver-mesh"}, {"value", mesh}});
     const auto effects = table("effects.md", "effect");
-    CHECK(effects.size() == 10);
+    CHECK(effects.size() == 11);
     for (const auto& [effect, rest] : effects) {
         add({{"do", "enable"}, {"effect", effect}});
         add({{"do", "disable"}, {"effect", effect}});
