@@ -505,6 +505,14 @@
             <translation>戻り</translation>
         </message>
         <message>
+            <source>Air damping</source>
+            <translation>空気の減衰</translation>
+        </message>
+        <message>
+            <source>How fast every swing of a held character dies out, its slow sway as a whole too: half of it is left after 1.4 s over this.</source>
+            <translation>保持されたキャラクターの揺れが、全身のゆっくりした揺れも含めて収まる速さです。1.4 秒をこの値で割った時間で半分になります。</translation>
+        </message>
+        <message>
             <source>How fast a character that nothing holds returns to its place. 0: not at all. With gravity and ground it falls, whatever this says.</source>
             <translation>何にも保持されていないキャラクターが元の位置に戻る速さ。0：戻らない。重力と床があるときは、この値によらず落ちます。</translation>
         </message>

@@ -19,6 +19,7 @@ namespace {
 
 /// A pin not higher than this part of the height is a foot.
 constexpr double kFootHeight = 0.2;
+constexpr double kAirDamping = 3.0;  ///< 1/s: a sway of the whole body is down to a tenth in a second and a half; limbs swing as before
 
 class StopWatch {
 public:
@@ -141,7 +142,10 @@ public:
         if (proposal_.bones.empty()) return;
         enable(EffectKind::BendWarp, true);
         enable(EffectKind::SmoothJoints, false);
-        enable(EffectKind::BoneDynamics, false);
+        if (!document().effects.has(EffectKind::BoneDynamics)) {
+            execute({{"do", "set"}, {"target", std::string(effectName(EffectKind::BoneDynamics))}, {"property", "air-damping"}, {"value", kAirDamping}}, "The air damping");
+            enable(EffectKind::BoneDynamics, false);
+        }
         const Points& vertices = source().body->mesh.vertices;
         const double low = vertices.col(1).minCoeff(), height = vertices.col(1).maxCoeff() - low;
         const bool stands = std::any_of(proposal_.pins.begin(), proposal_.pins.end(), [&](const ProposedPin& pin) {

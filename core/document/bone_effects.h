@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/character/effect_settings.h"
+#include "core/dynamics/bone_dynamics.h"
 
 namespace imomushi {
 
@@ -18,6 +19,7 @@ struct BoneDynamicsEffect : EffectOf<BoneDynamicsEffect> {
     double swingHertz = 2.5, swingDamping = 0.3;
     double rollHertz = 3.0, rollDamping = 0.3;
     double returnHertz = 0.5;
+    double airDamping = 0.0;
 
     static constexpr auto properties() {
         return std::array{
@@ -36,6 +38,9 @@ struct BoneDynamicsEffect : EffectOf<BoneDynamicsEffect> {
             number<&BoneDynamicsEffect::returnHertz>(
                 "return-hertz", "Hz", 0.0, 1000.0, IMOMUSHI_TEXT("Effects", "Return"),
                 IMOMUSHI_TEXT("Effects", "How fast a character that nothing holds returns to its place. 0: not at all. With gravity and ground it falls, whatever this says.")),
+            number<&BoneDynamicsEffect::airDamping>(
+                "air-damping", "1/s", 0.0, BoneDynamicsSettings::kMaxAirDamping, IMOMUSHI_TEXT("Effects", "Air damping"),
+                IMOMUSHI_TEXT("Effects", "How fast every swing of a held character dies out, its slow sway as a whole too: half of it is left after 1.4 s over this.")),
         };
     }
 };

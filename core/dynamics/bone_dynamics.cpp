@@ -50,7 +50,7 @@ BoneDynamics::State::State(Input given)
 
 void BoneDynamics::State::prepare() {
     normal = settings.ground ? settings.ground->plane.normal() : Vec3(Vec3::UnitY());
-    springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
+    springs.calibrate(settings.springs, settings.returnHertz, settings.airDamping, held, pointing);
     weight = 0.0;
     for (const double m : mass) weight += m * settings.gravity.norm();
     wake();
@@ -185,7 +185,7 @@ void BoneDynamics::State::step(double seconds, const Pose& target, std::span<con
         }
         held.swap(heldNow);
         pointing.swap(pointingNow);
-        springs.calibrate(settings.springs, settings.returnHertz, held, pointing);
+        springs.calibrate(settings.springs, settings.returnHertz, settings.airDamping, held, pointing);
         wake();
     }
     if (!sameTarget) {

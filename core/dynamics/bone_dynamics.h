@@ -30,6 +30,10 @@ struct BoneDynamicsSettings {
     /// A tree of bones with no held point is drawn back to the kinematic pose as by critically damped springs of this frequency in Hz, at most
     /// BoneSpring::kMaxHertz; 0: it floats, flies and falls freely (what `ground` wants).
     double returnHertz = 0.5;
+    /// Of a tree with a held point, 1/s, 0 ... kMaxAirDamping: how fast points lose their speed beside the kinematic pose. Springs hardly damp the slow sway of a whole body; this does: its
+    /// amplitude halves in 1.4 s over this.
+    double airDamping = 0.0;
+    static constexpr double kMaxAirDamping = 100.0;
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     /// A plane that no joint point crosses, nor the flesh around it (seeFlesh()), held ones included: they stay in front of it.
     struct Ground {

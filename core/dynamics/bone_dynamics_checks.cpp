@@ -28,6 +28,7 @@ Result<void> checkSettings(const BoneDynamicsSettings& s, std::size_t bones) {
     }
     if (!within(s.returnHertz, 0.0, BoneSpring::kMaxHertz))
         return fail("bad-value", "The frequency of the return is not between 0 and 1000 Hz: choose one that is.");
+    if (!within(s.airDamping, 0.0, BoneDynamicsSettings::kMaxAirDamping)) return fail("bad-value", "The air damping is not between 0 and 100 1/s: choose one that is.");
     constexpr double kMaxGravity = 1e12;  // m/s^2
     if (!allFinite(s.gravity) || s.gravity.cwiseAbs().maxCoeff() > kMaxGravity)
         return fail("bad-value", "Gravity is not below 1e12 m/s^2: choose a weaker one.");

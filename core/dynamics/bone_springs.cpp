@@ -117,7 +117,7 @@ BoneSprings::MassMoments BoneSprings::beyond(int from, int to) const {
     return side;
 }
 
-void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held, const std::vector<char>& pointing) {
+void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHertz, double airDamping, const std::vector<char>& held, const std::vector<char>& pointing) {
     const auto place = [&](int i) -> Vec3 { return skeleton_.points[i] - skeleton_.points[root_[i]]; };
     for (const int i : order_) {
         below_[i] = MassMoments{};
@@ -197,7 +197,7 @@ void BoneSprings::calibrate(std::span<const BoneSpring> springs, double returnHe
             if (stop.child == bend.child) stop.spring = springDamper(mass, kTurnLimitHertz, kLimitDamping);
     }
     for (std::size_t i = 0; i < return_.size(); ++i)
-        return_[i] = below_[root_[i]].held > 0 ? SpringDamper{} : springDamper(mass_[i], returnHertz, 1.0);
+        return_[i] = below_[root_[i]].held > 0 ? SpringDamper{0.0, airDamping * mass_[i]} : springDamper(mass_[i], returnHertz, 1.0);
 }
 
 void BoneSprings::arms(const std::vector<Vec3>& x, const BoneTargets& targets) const {
@@ -349,7 +349,7 @@ void BoneSprings::forces(const std::vector<Vec3>& x, const std::vector<Vec3>& v,
     for (const auto& stop : stops_) addBend(stop, carriedUnbent(stop, targets), skeleton_.bones[stop.child].maxBend, Vec3::Zero(), step);
     for (std::size_t i = 0; i < return_.size(); ++i) {
         const SpringDamper& g = return_[i];
-        if (g.stiffness <= 0.0) continue;
+        if (g.stiffness <= 0.0 && g.damping <= 0.0) continue;
         Vec3 rate = v[i];
         if (motion.from) rate -= (motion.to->points[i] - motion.from->points[i]) / motion.seconds;
         force[i] -= g.stiffness * (x[i] - targets.points[i]) + g.damping * rate;

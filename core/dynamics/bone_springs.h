@@ -35,7 +35,7 @@ public:
 
     /// Stiffness and damping from frequencies and damping ratios, with the reduced masses that these held points leave. springs: one or one per bone.
     /// pointing: per bone, whether it is held in its kinematic direction, too; such bones end at held points.
-    void calibrate(std::span<const BoneSpring> springs, double returnHertz, const std::vector<char>& held, const std::vector<char>& pointing);
+    void calibrate(std::span<const BoneSpring> springs, double returnHertz, double airDamping, const std::vector<char>& held, const std::vector<char>& pointing);
 
     /// J, at joint points x.
     [[nodiscard]] double energy(const std::vector<Vec3>& x, const BoneTargets& targets) const;

@@ -129,6 +129,7 @@ BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {
     const auto asked = effects.settings<BoneDynamicsEffect>(EffectKind::BoneDynamics);
     BoneDynamicsSettings settings;
     settings.springs = {{asked.stretchHertz, asked.stretchDamping, asked.swingHertz, asked.swingDamping, asked.rollHertz, asked.rollDamping}};
+    settings.airDamping = asked.airDamping;
     settings.ground = ground_;
     if (effects.has(EffectKind::Gravity)) settings.gravity = effects.vector(EffectKind::Gravity, "acceleration");
     // What falls on the ground must be free to lie where it falls; without such gravity it comes back, and rests on the ground where its pose is in it.

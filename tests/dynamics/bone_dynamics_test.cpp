@@ -73,6 +73,40 @@ TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that wer
             }
 }
 
+TEST_CASE("bone dynamics: air damps a slow sway more than a fast swing, by rate / (2 omega), and nothing that is not held") {
+    const Skeleton s = boneChain(1);
+    for (const double hertz : {0.3, 3.0}) {
+        CAPTURE(hertz);
+        BoneSpring spring;
+        spring.bendHertz = hertz;
+        spring.bendDamping = 0.0;
+        spring.stretchHertz = 1000.0;  // it keeps its length
+        spring.stretchDamping = 1.0;
+        auto input = inputOf(s, spring);
+        input.settings.airDamping = 0.5;
+        auto dynamics = BoneDynamics::build(input).value();
+        Pose bent = restPose(s);
+        bent.points[1] = Vec3(std::cos(0.3), std::sin(0.3), 0);
+        const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+        dynamics.step(kFrame, restPose(s), goals);
+        dynamics.reset(bent);
+        std::vector<double> signal;
+        const double dt = 0.02 / hertz;
+        for (int i = 0; i < 250; ++i) {
+            dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
+            signal.push_back(std::atan2(dynamics.pose().points[1].y(), dynamics.pose().points[1].x()));
+        }
+        CHECK(measure(signal, dt).damping == doctest::Approx(0.5 / (2.0 * 2.0 * M_PI * hertz)).epsilon(0.05));
+    }
+    auto input = inputOf(s);
+    input.settings.gravity = Vec3(0, -9.81, 0);
+    input.settings.returnHertz = 0.0;
+    input.settings.airDamping = 50.0;
+    auto falling = BoneDynamics::build(input).value();
+    for (int i = 0; i < 60; ++i) falling.step(1.0 / 60.0, restPose(s), {});
+    CHECK(falling.velocities()[0].y() == doctest::Approx(-9.81).epsilon(1e-6));
+}
+
 TEST_CASE("bone dynamics: a bone swings at its frequency with all that hangs on it, from whichever end it is held") {
     const Skeleton s = boneChain(4);
     for (const bool fromEnd : {false, true}) {
@@ -261,6 +295,7 @@ TEST_CASE("bone dynamics: energy never grows while nothing outside moves, whatev
         if (scene % 2) input.settings.gravity = Vec3(0, -9.81, 0);
         if (scene % 4 == 3) input.settings.ground = BoneDynamicsSettings::Ground{Plane::through(Vec3(0, -1.5, 0), Vec3(0.1, 1, 0)).value(), 0.5};
         if (scene % 5 == 4) input.settings.returnHertz = 0.0;
+        if (scene % 7 == 6) input.settings.airDamping = any(0.1, 100.0);
         auto dynamics = BoneDynamics::build(input).value();
         Pose wild = restPose(s);
         for (auto& p : wild.points) p += Vec3(d(random), d(random), d(random));

@@ -100,6 +100,20 @@ TEST_CASE("studio: language and theme change at run time, everywhere and back") 
     CHECK(w.window().menuBar()->actions().first()->text() == QStringLiteral("&File"));
 }
 
+TEST_CASE("studio: what opens soft has Drag in hand, wherever its file is; what has no answers yet has not") {
+    Window w;
+    build(w);
+    const QString hard = w.folder.filePath(QStringLiteral("hard.imomushi")), soft = w.folder.filePath(QStringLiteral("soft.imomushi"));
+    w.run({{"do", "save"}, {"path", hard.toStdString()}});
+    w.run({{"do", "precompute"}});
+    w.run({{"do", "save"}, {"path", soft.toStdString()}});
+    w.trigger("tool-select");
+    w.open(hard);
+    CHECK(w.view().tools().kind() == ToolKind::Select);
+    w.open(soft);
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
+}
+
 TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
     Window w;
     build(w);

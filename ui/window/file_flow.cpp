@@ -9,6 +9,7 @@
 #include <QPushButton>
 #include <QSettings>
 #include <QStandardPaths>
+#include <algorithm>
 #include <filesystem>
 
 #include "core/commands/proposal_commands.h"
@@ -184,8 +185,16 @@ bool FileFlow::open(const QString& path) {
     if (!isSample(path)) QSettings().setValue(QStringLiteral("files/folder"), QFileInfo(path).absolutePath());
     recent_.add(path);
     Q_EMIT opened();
-    if (isSample(path)) Q_EMIT performable();
+    if (opensSoft()) Q_EMIT performable();
     return true;
+}
+
+bool FileFlow::opensSoft() const {
+    const Document& document = document_.document();
+    const bool movable = !document.bones.empty() || std::any_of(document.elements.begin(), document.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
+    return movable && std::all_of(document.elements.begin(), document.elements.end(), [&](const auto& e) {
+        return e.second->faces.empty() || document_.session().responseState(e.first) != Session::ResponseState::None;
+    });
 }
 
 bool FileFlow::saveTo(const QString& path) {

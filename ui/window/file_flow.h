@@ -79,7 +79,7 @@ signals:
     void opened();                     ///< another document is there
     void imported(int elements);
     void skeletonCame(const QString& character, const QString& message);  ///< its bones may become elements next
-    void performable();  ///< a character came that can be dragged at once
+    void performable();  ///< what came can be dragged at once
     void saved(const QString& path);   ///< a picture may be taken now
     void working(const QString& what);  ///< on something that takes its time
     void worked(const QString& what);   ///< the same has ended
@@ -89,6 +89,8 @@ signals:
 private:
     enum class Dropped { Open, Append, Nothing };
     Dropped askDropped(const QString& path);
+    /// All that can become soft is, and something can be dragged.
+    [[nodiscard]] bool opensSoft() const;
     bool saveTo(const QString& path);
     /// "open" and "save", with the file read or written in the background.
     Result<Json> read(const Json& open);
