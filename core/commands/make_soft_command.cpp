@@ -131,17 +131,13 @@ public:
         return {};
     }
 
-    /// Free ends take their flesh with them. Costs columns of these elements alone, which their responses have anyway.
-    void stretchEnds() {
-        if (!proposal_.bones.empty()) enable(EffectKind::EndStretch, false);
-    }
-
-    /// What an artist expects of a body that is dragged: bends without cracks, a soft skin over joints, bones that swing; of one that stands, the ground and a trunk that stays upright.
+    /// What an artist expects of a body that is dragged: bends without cracks, a soft skin over joints, flesh that goes along with free ends, bones that swing; of one that stands, the ground and a trunk that stays upright.
     /// What is on already stays as it is.
     void makeAlive() {
         if (proposal_.bones.empty()) return;
         enable(EffectKind::BendWarp, true);
         enable(EffectKind::SmoothJoints, false);
+        enable(EffectKind::EndStretch, false);
         if (!document().effects.has(EffectKind::BoneDynamics)) {
             execute({{"do", "set"}, {"target", std::string(effectName(EffectKind::BoneDynamics))}, {"property", "air-damping"}, {"value", kAirDamping}}, "The air damping");
             enable(EffectKind::BoneDynamics, false);
@@ -338,7 +334,6 @@ Result<Json> makeSoft(SessionAccess& access, const Json& arguments, const Progre
     seconds["cut"] = watch.lap();
     for (const auto part : {&Maker::addBones, &Maker::addHandles, &Maker::attachParts})
         if (auto ok = (maker.*part)(); !ok) return tl::unexpected(ok.error());
-    maker.stretchEnds();
     if (arguments.value("alive", false)) maker.makeAlive();
     seconds["bones"] = watch.lap();
     step.end({"make-soft", source->name});
@@ -389,7 +384,7 @@ void addMakeSoftCommand(CommandRegistry& registry) {
                         {"least", Type::Number, false, "As in propose."},
                         {"bones", Type::Array, false, "As in propose."},
                         {"proposal", Type::Object, false, "Instead of these: what propose answered, with cuts, bones, pins, handles and parts changed, dropped or added."},
-                        {"alive", Type::Boolean, false, "Enables what a body that is dragged calls for: bend-warp where it bends, smooth-joints, bone-dynamics; where it stands, ground and "
+                        {"alive", Type::Boolean, false, "Enables what a body that is dragged calls for: bend-warp where it bends, smooth-joints, end-stretch, bone-dynamics with air-damping 3; where it stands, ground and "
                          "body-follows 1 (false)."},
                         {"precompute", Type::Boolean, false, "Precomputes its elements (true)."},
                         {"draft", Type::Boolean, false, "Makes coarse answers first, some tenths of a second each (false)."},

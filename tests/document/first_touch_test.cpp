@@ -143,7 +143,7 @@ void checkStranger(const std::string& name, const std::vector<std::string>& trun
     const Json made = w.good({{"do", "make-soft"}, {"path", IMOMUSHI_TEST_DATA "/characters/" + name + ".glb"}, {"precompute", false}, {"alive", true}});
     CHECK(made["refused"].empty());
     CHECK(w.session.document().settings.bodyFollows == 1.0);
-    for (const EffectKind kind : {EffectKind::BendWarp, EffectKind::SmoothJoints, EffectKind::BoneDynamics, EffectKind::Ground}) CHECK(w.session.document().effects.has(kind));
+    for (const EffectKind kind : {EffectKind::BendWarp, EffectKind::SmoothJoints, EffectKind::EndStretch, EffectKind::BoneDynamics, EffectKind::Ground}) CHECK(w.session.document().effects.has(kind));
     for (const char* effect : {"bone-dynamics", "ground"}) w.good({{"do", "disable"}, {"effect", effect}});
     checkTouch(w, name, trunk);
 }
