@@ -105,11 +105,11 @@ TEST_CASE("studio: what opens soft has Drag in hand, wherever its file is; what 
     build(w);
     const QString hard = w.folder.filePath(QStringLiteral("hard.imomushi")), soft = w.folder.filePath(QStringLiteral("soft.imomushi"));
     w.run({{"do", "save"}, {"path", hard.toStdString()}});
-    w.run({{"do", "precompute"}});
-    w.run({{"do", "save"}, {"path", soft.toStdString()}});
     w.trigger("tool-select");
     w.open(hard);
     CHECK(w.view().tools().kind() == ToolKind::Select);
+    w.run({{"do", "precompute"}});
+    w.run({{"do", "save"}, {"path", soft.toStdString()}});
     w.open(soft);
     CHECK(w.view().tools().kind() == ToolKind::Pose);
 }

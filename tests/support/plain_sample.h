@@ -13,6 +13,7 @@ inline std::vector<nlohmann::ordered_json> plainLines(const std::string& sample)
     const bool stands = sample == "figure" || sample == "dragon";
     std::vector<nlohmann::ordered_json> lines;
     for (const char* effect : {"bend-warp", "smooth-joints", "end-stretch", "bone-dynamics"}) lines.push_back({{"do", "disable"}, {"effect", effect}});
+    lines.push_back({{"do", "set"}, {"target", "bone-dynamics"}, {"property", "air-damping"}, {"value", 0}});
     if (stands) {
         lines.push_back({{"do", "disable"}, {"effect", "ground"}});
         lines.push_back({{"do", "set"}, {"target", "character"}, {"property", "body-follows"}, {"value", 0}});
