@@ -7,25 +7,19 @@
 #include <csignal>
 #include <iostream>
 #include <optional>
-#include <thread>
 
 #include "app/headless/live_performance.h"
 #include "core/document/command_support.h"
-#include "core/input/osc_packet.h"
-#include "core/input/udp_port.h"
+#include "core/input/input_listener.h"
 
 namespace imomushi {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = InputListener::Clock;
 
 constexpr double kStepSeconds = 1.0 / 60.0;
 constexpr double kLongestLive = 86400.0;  // s
-/// Of one port between two steps: more than anybody sends. The rest waits for the next step.
-constexpr int kMostPacketsOfStep = 4096;
-/// Who asks for the names is not answered more often.
-constexpr std::chrono::seconds kBetweenLists(1);
 
 /// SIGINT and SIGTERM end a performance, and not the program, while one of these lives.
 class Interruption {
@@ -82,15 +76,6 @@ Result<Listening> listen(const Json& list, UdpPort::From from) {
     return made;
 }
 
-/// Sends the address of everything that can be driven, one by one, and how many there are.
-void sendNames(const Document& document, UdpPort& port) {
-    const std::vector<DirectName> names = directNames(document);
-    const auto send = [&port](const std::string& bytes) { return port.answer(std::as_bytes(std::span(bytes))); };
-    for (const DirectName& name : names)
-        if (!send(oscMessage("/imomushi/name", name.address, name.count))) return;
-    (void)send(oscMessage("/imomushi/names", "", static_cast<std::int32_t>(names.size())));
-}
-
 Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& progress) {
     double longest = kLongestLive;
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
@@ -103,8 +88,8 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     const Interruption interruption;
     const Clock::time_point start = Clock::now();
     const auto stepTime = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStepSeconds));
-    Clock::time_point until = start, listed = start - kBetweenLists;
-    std::vector<std::byte> room(InputDecoder::kLongestPacket);
+    Clock::time_point until = start;
+    InputListener listener(std::move(heard.ports));
     std::vector<double> milliseconds, latency;  // of each step; from its first packet until it was made
     std::uint64_t tooLong = 0, late = 0;
     const auto frames = static_cast<std::size_t>(longest / kStepSeconds + 0.5);
@@ -120,35 +105,11 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
             until = now;
         }
         std::optional<Clock::time_point> first;
-        std::vector<int> left(heard.ports.size(), kMostPacketsOfStep);
-        for (bool again = true; again;) {
-            UdpPort::wait(heard.ports, until);
-            again = Clock::now() < until && !Interruption::came();
-            for (std::size_t i = 0; i < heard.ports.size(); ++i)
-                for (; left[i] > 0; --left[i]) {
-                    const auto size = heard.ports[i].take(room);
-                    if (!size) break;
-                    if (*size == 0 || *size > room.size()) {
-                        ++tooLong;
-                        continue;
-                    }
-                    const Clock::time_point now = Clock::now();
-                    if (!first) first = now;
-                    const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(now - start).count();
-                    const std::span<const std::byte> packet = std::span(room).first(*size);
-                    if (recording) recording->packet(i, nanoseconds, packet);
-                    performance.take(i, nanoseconds, packet, [&] {
-                        if (now - listed < kBetweenLists) return;
-                        listed = now;
-                        sendNames(access.document(), heard.ports[i]);
-                    });
-                }
-            // A port with more would be ready at once, again and again.
-            if (std::any_of(left.begin(), left.end(), [](int l) { return l == 0; })) {
-                std::this_thread::sleep_until(until);
-                break;
-            }
-        }
+        listener.hear(start, until, Interruption::came, [&](std::size_t i, std::int64_t nanoseconds, std::span<const std::byte> packet) {
+            if (!first) first = start + std::chrono::nanoseconds(nanoseconds);
+            if (recording) recording->packet(i, nanoseconds, packet);
+            performance.take(i, nanoseconds, packet, [&] { listener.answerList(i, [&] { return nameMessages(access.document()); }); });
+        });
         const Clock::time_point began = Clock::now();
         if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
         if (recording) recording->endStep();
@@ -160,6 +121,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     if (!answer) return failed(answer.error());
     if (recording)
         if (auto whole = recording->finish(); !whole) (*answer)["not_recorded"] = whole.error().message;
+    for (std::size_t i = 0; i < listener.ports().size(); ++i) tooLong += listener.tooLong(i);
     (*answer)["too_long"] = tooLong;
     (*answer)["late"] = late;
     (*answer)["ms_per_step"] = summary(std::move(milliseconds));

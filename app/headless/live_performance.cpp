@@ -7,6 +7,7 @@
 #include "core/base/try.h"
 #include "core/commands/hold_inputs.h"
 #include "core/commands/meetings.h"
+#include "core/input/input_listener.h"
 
 namespace imomushi {
 
@@ -28,7 +29,7 @@ Result<LivePerformance> LivePerformance::begin(SessionAccess& access, std::vecto
 
 void LivePerformance::take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes, const std::function<void()>& asked) {
     decoders_[source]->decode(bytes, nanoseconds, [&](const InputValue& value) {
-        if (!driver_.take(value) && asked && value.channel.text() == kListAddress) asked();
+        if (!driver_.take(value) && asked && value.channel.text() == InputListener::kListAddress) asked();
     });
 }
 

@@ -19,9 +19,8 @@ class LivePerformance {
 public:
     /// `seconds`: of a step. Errors: "no-element", those of LiveCharacter::built().
     static Result<LivePerformance> begin(SessionAccess& access, std::vector<RawSource> sources, double seconds);
-    /// What came from a source; who asks for the list of names (kListAddress) is told by `asked`.
+    /// What came from a source; who asks for the list of names (InputListener::kListAddress) is told by `asked`.
     void take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes, const std::function<void()>& asked = {});
-    static constexpr const char* kListAddress = "/imomushi/list";
     /// After an error only cancel() may follow. Errors: those of the command "drag", of pressWhatMet().
     Result<void> step(const Progress& progress);
     /// Leaves what was driven in the document, as one step. Errors: those of "drag" and "morph".

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/hold_inputs.h"
 
+#include <algorithm>
+
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
@@ -37,6 +39,14 @@ Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const Liv
     }
     made.command["to"] = json(made.held.target);
     return std::optional(std::move(made));
+}
+
+LiveInput asDriven(const CharacterPlan& plan, LiveInput input) {
+    if (input.kind != LiveInput::Kind::End) return input;
+    const int point = plan.pointIndex(input.end);
+    const auto first = std::find_if(plan.points.begin(), plan.points.end(), [&](const auto& end) { return end.second == point; });
+    if (first != plan.points.end()) input.end = first->first;
+    return input;
 }
 
 Json leavingOf(const Session& session, const LiveInput& input) {

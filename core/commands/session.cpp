@@ -206,6 +206,7 @@ void Session::beginGesture() {
 
 void Session::endGesture(Step named) {
     const ParkedPerformer parked(performer_.get());
+    leaveHands();
     if (!history_.endGesture(std::move(named))) return;
     Change change;
     change.history = true;
@@ -224,6 +225,7 @@ void Session::cancelGesture() noexcept {
     const ParkedPerformer parked(performer_.get());
     if (performer_) performer_->dropInputs();
     const Document left = dropGesture();
+    leaveHands();
     Change change = changeSince(left);
     change.history = true;
     change.pose = true;
@@ -322,12 +324,40 @@ void Session::tellOfMeetings() {
 
 void Session::perform(double hertz, std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, hertz, std::move(stepped)); }
 
-bool Session::give(const LiveInput& input) { return performer_ && performer_->give(input); }
+bool Session::give(const LiveInput& input) {
+    if (!performer_ || !performer_->give(input)) return false;
+    InputFeed* feed = performer_->feed();
+    const LiveInput held = feed ? asDriven(plan(), input) : input;
+    if (!feed || std::any_of(byHand_.begin(), byHand_.end(), [&](const LiveInput& known) { return known.sameTarget(held); })) return true;
+    byHand_.push_back(held);
+    (void)feed->giveToHand(held);
+    return true;
+}
+
+void Session::leaveHands() noexcept {
+    InputFeed* feed = performer_ ? performer_->feed() : nullptr;
+    for (const LiveInput& held : std::exchange(byHand_, {})) {
+        if (!feed) continue;
+        try {
+            const auto hold = takingHoldOf(*this, held);
+            (void)feed->hold(hold && *hold ? (*hold)->held : held);
+        } catch (const std::bad_alloc&) {
+            (void)feed->hold(held);
+        }
+    }
+}
+
+bool Session::inputsWait() const {
+    const InputFeed* feed = performer_ ? performer_->feed() : nullptr;
+    return feed && feed->refuses();
+}
 
 bool Session::performInputs(std::shared_ptr<InputFeed> feed) {
     if (!performer_) return false;
     const ParkedPerformer parked(performer_.get());
-    performer_->feed(std::move(feed));
+    performer_->feed(feed);
+    for (const LiveInput& held : byHand_)
+        if (feed) (void)feed->giveToHand(held);
     return true;
 }
 

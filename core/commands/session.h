@@ -15,6 +15,7 @@
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/document/document_history.h"
+#include "core/live/live_input.h"
 #include "core/project/document_responses.h"
 #include "core/project/project_versions.h"
 
@@ -24,7 +25,6 @@ struct BuiltCharacter;
 class InputFeed;
 class LiveCharacter;
 class Performer;
-struct LiveInput;
 struct StageTimes;
 struct CharacterPlan;
 struct PoseFinding;
@@ -111,10 +111,12 @@ public:
     /// From now on a thread of its own steps frames, `hertz` times a second, while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
     /// `stepped` is called on that thread after each step, and must return at once: takeFrame() then belongs on this one.
     void perform(double hertz, std::function<void()> stepped);
-    /// A target for the next step, of what is held already (LiveInput). False: frames are not stepped on a thread of their own, or it has no room: a command does it then.
+    /// A target for the next step, of what is held already (LiveInput). Until the gesture ends, a hand has it, and live input does not drive it. False: frames are not stepped on a thread of their own, or it has no room: a command does it then.
     bool give(const LiveInput& input);
     /// Live input for these steps, which go on as long as it is there; see Performer::feed(). Null: no more. False: frames are not stepped on a thread of their own.
     bool performInputs(std::shared_ptr<InputFeed> feed);
+    /// Live input moves something that nobody holds: holdInputs() is due.
+    [[nodiscard]] bool inputsWait() const;
     /// Takes hold, by commands, of what live input moves and nobody holds. True: of something. Errors: those of "drag".
     Result<bool> holdInputs();
     /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
@@ -168,6 +170,8 @@ private:
     /// Runs a command that was checked, and what follows from it.
     Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
     Json takeOver(const PreparedStep& made);
+    /// The gesture is over: live input goes on from where hands left things.
+    void leaveHands() noexcept;
     // What takes back asks for no memory that it could not do without.
     void takeBack(Document&& before) noexcept;
     [[nodiscard]] Change changeSince(const Document& before) const noexcept;
@@ -184,6 +188,7 @@ private:
     DocumentResponses responses_;
     std::unique_ptr<LiveCharacter> live_;
     std::unique_ptr<Performer> performer_;  // null: frames are stepped here
+    std::vector<LiveInput> byHand_;         // what the gesture that goes on was given by give()
     std::function<void(const Change&)> listener_;
     Services services_ = coreServices();
     /// What another document took the place of, until the command that did it has ended.

@@ -27,6 +27,17 @@ struct InputRow {
     bool operator==(const InputRow&) const = default;
 };
 
+/// What a row shows while it is used.
+struct InputMeter {
+    double raw = 0.0;        ///< what its control said last
+    double value = 0.0;      ///< what it makes of that, in the unit of its slot
+    std::uint64_t heard = 0; ///< how many values
+    bool known = false;      ///< something was heard since the beginning, or since everything let go
+    bool silent = false;     ///< for longer than its row allows
+    bool drives = false;     ///< of the rows of its slot it is the one that wins
+    bool operator==(const InputMeter&) const = default;
+};
+
 /// What a control says becomes what a slot is: the job of each step of a performance. A slot is one number that is driven, such as the height of a handle (m, from rest) or the weight of
 /// a morph target. Of several rows of one slot the first one wins that has heard something and is neither muted nor silent. Where another row wins, or one comes back from silence, the slot
 /// glides there from what it shows, so that nothing jumps. take(), step() and what is asked neither allocate, lock nor fail; an answer depends on values and steps alone.
@@ -55,6 +66,11 @@ public:
     /// For meters: what a row makes of its control now, in the unit of its slot, and how many values it heard.
     [[nodiscard]] double valueOf(std::size_t row) const { return heard_[row].value; }
     [[nodiscard]] std::uint64_t heardBy(std::size_t row) const { return heard_[row].count; }
+    [[nodiscard]] InputMeter meterOf(std::size_t row) const {
+        const Heard& heard = heard_[row];
+        const int slot = rows_[row].slot;
+        return {heard.raw, heard.value, heard.count, heard.known, heard.silent, slot >= 0 && slot < static_cast<int>(slots_.size()) && winner(slot) == static_cast<int>(row)};
+    }
     [[nodiscard]] const std::vector<InputRow>& rows() const { return rows_; }
 
 private:

@@ -27,6 +27,8 @@ public:
     std::optional<std::size_t> take(std::span<std::byte> room);
     /// To whoever sent what was taken last, where that is a program of this machine. False: it is not, or it was not sent.
     bool answer(std::span<const std::byte> bytes);
+    /// Whoever sent what was taken last, told apart from others by address and port.
+    [[nodiscard]] std::uint64_t sender() const { return std::uint64_t{sender_} << 16 | senderPort_; }
     /// Returns when one of the ports has a datagram, or at that time. At most 64 ports.
     static void wait(std::span<const UdpPort> ports, std::chrono::steady_clock::time_point until);
 

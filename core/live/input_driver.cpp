@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/base/rotation_vector.h"
 #include "core/document/command_support.h"
 #include "core/document/morph_weights.h"
 #include "core/document/names.h"
+#include "core/input/osc_packet.h"
 #include "core/mesh/bounds.h"
 #include "core/skeleton/bone_tree.h"
 
@@ -52,6 +54,7 @@ struct InputDriver::Tables {
     std::vector<Driven> driven;
     std::vector<Turned> turned;
     std::vector<InputRow> rows;
+    std::vector<int> rowOf;  // of each mapping
     std::vector<double> shown, rest;
     const bool solo = document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; });  // of any row
 
@@ -113,6 +116,8 @@ struct InputDriver::Tables {
             made.parentTurn = pose.frames[static_cast<std::size_t>(parent)].normalized();
             made.fromParent = pointAt(skeleton.bones[bone].start) - pointAt(skeleton.bones[static_cast<std::size_t>(parent)].start);
         }
+        made.startNow = made.startAt;
+        made.now = pose.frames[bone].normalized();
         made.turn = rotationVector((made.parentTurn.conjugate() * pose.frames[bone]).normalized());
         driven[made.end].input.hasRoll = true;
         return &turned.emplace_back(made);
@@ -168,11 +173,14 @@ struct InputDriver::Tables {
     void addMappings() {
         if (!document.mappings) return;
         for (const InputMapping& mapping : *document.mappings) {
+            rowOf.push_back(-1);
             const auto target = mappedTarget(document, mapping.target);
             if (!target) continue;
             InputRow row = mapping.row;
             row.muted = row.muted || (!mapping.solo && solo);
+            const std::size_t before = rows.size();
             add(std::move(row), *target);
+            if (rows.size() > before) rowOf.back() = static_cast<int>(before);
         }
     }
 
@@ -199,14 +207,14 @@ struct InputDriver::Tables {
 InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources)
     : InputDriver([&] {
           const Skeleton& skeleton = plan.input.skeleton;
-          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}};
+          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}, {}};
           tables.addMappings();
           tables.addDirectNames(oscSources);
           tables.sortTurned();
           return tables;
       }()) {}
 
-InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
+InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
 
 std::span<const LiveInput> InputDriver::step(double seconds) {
     mapper_.step(seconds);
@@ -214,7 +222,7 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
     const auto moves = [this](const auto& slots) { return std::any_of(slots.begin(), slots.end(), [this](int slot) { return slot >= 0 && mapper_.moved(slot); }); };
     const bool turns = std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slots); });
     for (Driven& driven : driven_) {
-        driven.moved = moves(driven.slots);
+        driven.moved = !driven.byHand && moves(driven.slots);
         if (!driven.moved) continue;
         LiveInput& input = driven.input;
         const auto put = [&](std::size_t slot, double& to, double rest) {
@@ -251,23 +259,56 @@ void InputDriver::follow(Turned& bone) {
     bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
     Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
     bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * bone.fromParent) : start ? start->input.target : bone.startAt;
-    if (start && !parent) start->moved = true;  // held, too
+    if (start && !parent) start->moved = !start->byHand;  // held, too
     const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentTurn;
     const Vec3 way = bone.now * bone.along, direction = way.normalized();
     bone.untwisted = (minimalRotation(carried * bone.along.normalized(), direction) * carried).normalized();
     Driven& end = driven_[bone.end];
     LiveInput& input = end.input;
     const Eigen::Quaterniond twist = bone.now * bone.untwisted.conjugate();
+    if (end.byHand) return;
     // Where something drives its place or roll themselves, that counts.
     if (!placed(end)) input.target = bone.startNow + way;
     if (end.slots[3] < 0 || mapper_.winner(end.slots[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
     end.moved = true;
 }
 
+void InputDriver::giveToHand(const LiveInput& held) {
+    for (Driven& driven : driven_) {
+        if (!driven.input.sameTarget(held)) continue;
+        driven.byHand = true;
+        driven.input.target = held.target;  // bones that start there are turned about it
+        for (const int slot : driven.slots)
+            if (slot >= 0) mapper_.setByHand(slot, true, mapper_.shown(slot));
+        for (const Turned& bone : turned_)
+            for (const int slot : bone.slots)
+                if (slot >= 0 && &driven_[bone.end] == &driven) mapper_.setByHand(slot, true, mapper_.shown(slot));
+    }
+}
+
+void InputDriver::pointAt(Turned& bone, const Vec3& end) {
+    const Vec3 way = end - bone.startNow, was = bone.now * bone.along;
+    const bool knows = way.norm() > 0.0 && was.norm() > 0.0;
+    if (knows) {
+        const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
+        const Eigen::Quaterniond now = minimalRotation(was.normalized(), way.normalized()) * bone.now;
+        bone.turn = rotationVector(((parent ? parent->now : bone.parentTurn).conjugate() * now).normalized());
+    }
+    for (std::size_t k = 0; k < bone.slots.size(); ++k)
+        if (bone.slots[k] >= 0) mapper_.setByHand(bone.slots[k], false, bone.turn[static_cast<Eigen::Index>(k)]);
+}
+
+void InputDriver::read(std::span<InputMeter> meters) const {
+    for (std::size_t i = 0; i < rowOf_.size() && i < meters.size(); ++i) meters[i] = rowOf_[i] < 0 ? InputMeter() : mapper_.meterOf(static_cast<std::size_t>(rowOf_[i]));
+}
+
 void InputDriver::hold(const LiveInput& held) {
     for (Driven& driven : driven_) {
         LiveInput& input = driven.input;
         if (!input.sameTarget(held)) continue;
+        if (std::exchange(driven.byHand, false))
+            for (Turned& bone : turned_)
+                if (&driven_[bone.end] == &driven) pointAt(bone, held.target);
         input.target = held.target;
         input.rotation = held.rotation;
         input.roll = held.roll;
@@ -316,6 +357,13 @@ std::vector<DirectName> directNames(const Document& document) {
             add(root + "morph/" + character->name + "/" + character->model->morphs[t].name, target, 1);
         }
     return names;
+}
+
+std::vector<std::string> nameMessages(const Document& document) {
+    std::vector<std::string> messages;
+    for (const DirectName& name : directNames(document)) messages.push_back(oscMessage("/imomushi/name", name.address, name.count));
+    messages.push_back(oscMessage("/imomushi/names", "", static_cast<std::int32_t>(messages.size())));
+    return messages;
 }
 
 }  // namespace imomushi

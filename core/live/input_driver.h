@@ -25,11 +25,16 @@ public:
     bool take(const InputValue& value) { return mapper_.take(value); }
     /// A step of so many seconds, > 0: the targets that moved, until the next step. Those of handles and ends of bones are taken by the character only where they are held.
     std::span<const LiveInput> step(double seconds);
-    /// What such an input moves is held from now on where this says, and glides from there.
+    /// What such an input moves is held from now on where this says, and glides from there. Where a hand had it, it has let go.
     void hold(const LiveInput& held);
+    /// A hand has what such an input moves: nothing else drives it until hold().
+    void giveToHand(const LiveInput& held);
     /// Everything glides to rest. For panic.
     void letGo() { mapper_.letGo(); }
     [[nodiscard]] const InputMapper& mapper() const { return mapper_; }
+    /// How many rows the document's table has, and what they show; of one whose target is not there, nothing. `meters`: one for each.
+    [[nodiscard]] std::size_t mappings() const { return rowOf_.size(); }
+    void read(std::span<InputMeter> meters) const;
 
 private:
     /// A bone that is turned about its parent: its end goes where forward kinematics has it, and twists with it.
@@ -54,15 +59,19 @@ private:
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
         std::array<int, 6> slots{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a morph target its weight first
         bool moved = false;  ///< in the last step
+        bool byHand = false;
     };
     struct Tables;
     explicit InputDriver(Tables&& tables);
     /// Something drives its place.
     [[nodiscard]] bool placed(const Driven& driven) const;
     void follow(Turned& bone);
+    /// A bone that is turned points where its end was left, so that it goes on from there.
+    void pointAt(Turned& bone, const Vec3& end);
     std::vector<Driven> driven_;
     std::vector<Turned> turned_;     // parents before children
     std::vector<LiveInput> moved_;
+    std::vector<int> rowOf_;         // of each mapping, -1: its target is not there
     InputMapper mapper_;
 };
 
@@ -74,5 +83,7 @@ struct DirectName {
     int count = 0;
 };
 std::vector<DirectName> directNames(const Document& document);
+/// The same as messages of OSC, "/imomushi/name" for each and "/imomushi/names" with their number: the answer to InputListener::kListAddress.
+std::vector<std::string> nameMessages(const Document& document);
 
 }  // namespace imomushi

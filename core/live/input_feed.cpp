@@ -5,6 +5,10 @@
 
 namespace imomushi {
 
+InputFeed::InputFeed(InputDriver driver) : driver_(std::move(driver)) {
+    for (std::vector<InputMeter>& meters : meters_.slots()) meters.resize(driver_.mappings());
+}
+
 bool InputFeed::give(std::span<const InputValue> packet) {
     if (values_.free() < packet.size()) return false;
     for (std::size_t i = 0; i < packet.size(); ++i) values_.give({packet[i], i + 1 == packet.size()});
@@ -20,15 +24,19 @@ std::optional<std::uint64_t> InputFeed::takeStep() {
     return count;
 }
 
-bool InputFeed::hold(const LiveInput& held) {
-    if (holds_.free() == 0) return false;
-    holds_.give(held);
-    holds_.publish();
+bool InputFeed::tell(const Hand& hand) {
+    if (hands_.free() == 0) return false;
+    hands_.give(hand);
+    hands_.publish();
     return true;
 }
 
+bool InputFeed::hold(const LiveInput& held) { return tell({held, false}); }
+bool InputFeed::giveToHand(const LiveInput& held) { return tell({held, true}); }
+
 void InputFeed::step(double seconds, LiveCharacter& live) {
-    for (; const LiveInput* held = holds_.front(); holds_.pop()) driver_.hold(*held);
+    for (; const Hand* hand = hands_.front(); hands_.pop()) hand->has ? driver_.giveToHand(hand->input) : driver_.hold(hand->input);
+    if (letsGo_.exchange(false, std::memory_order_acquire)) driver_.letGo();
     while (const Heard* heard = values_.front()) {
         (void)driver_.take(heard->value);
         if (heard->last) ++packets_;
@@ -39,6 +47,8 @@ void InputFeed::step(double seconds, LiveCharacter& live) {
         refused_.give(input);
         refused_.publish();
     }
+    driver_.read(meters_.back());
+    meters_.publish();
     if (steps_.free() == 0) return;  // nobody records
     steps_.give(packets_);
     steps_.publish();

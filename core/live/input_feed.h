@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "core/base/triple_buffer.h"
 #include "core/live/input_driver.h"
 
 namespace imomushi {
@@ -42,7 +43,7 @@ public:
     static constexpr std::size_t kValues = 8192;  ///< half a second of 15,000 a second
     static constexpr std::size_t kSteps = 4096;   ///< a minute
     static constexpr std::size_t kHolds = 1024;
-    explicit InputFeed(InputDriver driver) : driver_(std::move(driver)) {}
+    explicit InputFeed(InputDriver driver);
 
     // ---- the hearing thread
     /// The values of a packet, which one step takes whole. False: there is no room, as nobody steps; the packet is lost.
@@ -57,6 +58,16 @@ public:
     // ---- the thread of the window
     /// See InputDriver::hold(); from the next step on. False: there is no room, as nobody steps.
     bool hold(const LiveInput& held);
+    /// See InputDriver::giveToHand(); from the next step on. False: there is no room, as nobody steps.
+    bool giveToHand(const LiveInput& held);
+    /// See InputDriver::letGo(); with the next step.
+    void letGo() { letsGo_.store(true, std::memory_order_release); }
+    /// meters() are those of the last step from now on. False: they were.
+    bool takeMeters() { return meters_.take(); }
+    /// Of each row of the document's table.
+    [[nodiscard]] const std::vector<InputMeter>& meters() const { return meters_.front(); }
+    /// takeRefused() has one.
+    [[nodiscard]] bool refuses() const { return refused_.front() != nullptr; }
     /// An input that the character did not take, as nobody holds what it moves. None: all were taken.
     std::optional<LiveInput> takeRefused();
 private:
@@ -64,10 +75,18 @@ private:
         InputValue value;
         bool last = false;  // of its packet
     };
+    struct Hand {
+        LiveInput input;
+        bool has = false;  // else it has let go
+    };
+    bool tell(const Hand& hand);
     InputDriver driver_;
+    TripleBuffer<std::vector<InputMeter>> meters_;
+    std::atomic<bool> letsGo_{false};
     TwoThreadRow<Heard, kValues> values_;
     TwoThreadRow<std::uint64_t, kSteps> steps_;
-    TwoThreadRow<LiveInput, kHolds> refused_, holds_;
+    TwoThreadRow<LiveInput, kHolds> refused_;
+    TwoThreadRow<Hand, kHolds> hands_;
     std::uint64_t packets_ = 0;  // that were taken
 };
 

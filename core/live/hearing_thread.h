@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/input/control_learner.h"
+#include "core/input/input_listener.h"
+#include "core/input/raw_inputs.h"
+
+namespace imomushi {
+
+class InputFeed;
+
+/// Hears sources for as long as there are some, on a thread of its own, and gives what they say to the feed of a performance. Without sources there is no thread and no open port.
+/// All functions are for one thread, that of the window; the thread that steps never waits for any of them.
+class HearingThread {
+public:
+    /// Others that send to the same port are not heard, until one of these has been silent for a while.
+    static constexpr std::size_t kMostSenders = 16;
+    /// What came from a source since its port was opened.
+    struct Heard {
+        InputCounts counts;          ///< malformed: too long ones, too
+        std::uint64_t lost = 0;      ///< packets that found no room in the feed
+        std::uint64_t refused = 0;   ///< packets of a sender too many
+        int senders = 0;             ///< who sent something lately
+        bool operator==(const Heard&) const = default;
+    };
+
+    HearingThread() = default;
+    ~HearingThread() { stop(); }
+    HearingThread(const HearingThread&) = delete;
+    HearingThread& operator=(const HearingThread&) = delete;
+
+    /// Opens the port of a source, whose name no other one has. Answers its number. Errors: those of UdpPort::listen().
+    Result<std::uint16_t> open(const RawSource& source, std::uint16_t port, UdpPort::From from);
+    void close(const std::string& source);
+    [[nodiscard]] bool hears() const { return !sources_.empty(); }
+    [[nodiscard]] std::optional<Heard> heard(const std::string& source) const;
+
+    /// Where values go, null: nowhere; `names`: nameMessages(), for whoever asks.
+    void feed(std::shared_ptr<InputFeed> feed, std::vector<std::string> names);
+    /// Values are counted, and learned from, but not given to the feed.
+    void hold(bool held);
+    /// From now on the control that moves is looked for; false: no more.
+    void learn(bool on);
+    /// None: nothing has moved, or nobody learns.
+    [[nodiscard]] std::optional<ControlLearner::Found> learned() const;
+
+private:
+    struct Sender {
+        std::uint64_t id = 0;
+        std::int64_t last = 0;  // ns
+    };
+    struct Source {
+        RawSource source;
+        std::unique_ptr<InputDecoder> decoder;
+        std::array<Sender, kMostSenders> senders{};
+        std::size_t known = 0;  // of these
+        std::uint64_t lost = 0, refused = 0, tooLong = 0;
+    };
+    void run();
+    void stop();
+    void serve();
+    void take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes);
+    static bool admits(Source& source, std::uint64_t sender, std::int64_t nanoseconds);
+    [[nodiscard]] std::int64_t now() const;
+
+    InputListener listener_{{}};      // of the thread while it runs
+    std::vector<Source> sources_;     // as many; who they are does not change while it runs
+    mutable std::mutex mutex_;        // what both threads see: counts and senders of sources, and from here on
+    std::shared_ptr<InputFeed> feed_;
+    std::vector<std::string> names_;
+    bool held_ = false;
+    std::unique_ptr<ControlLearner> learner_;
+    std::vector<InputValue> values_;  // of the packet that is read
+    const InputListener::Clock::time_point start_ = InputListener::Clock::now();
+    std::atomic<bool> over_{false};
+    std::thread thread_;
+};
+
+}  // namespace imomushi
