@@ -25,7 +25,7 @@ public:
     [[nodiscard]] const T& front() const { return slots_[front_]; }
 
     /// All slots, while no other thread writes or reads.
-    [[nodiscard]] std::array<T, 3>& slots() { return slots_; }
+    [[nodiscard]] std::array<T, 3>& allSlots() { return slots_; }
 
 private:
     static constexpr unsigned kSlot = 3, kFresh = 4;

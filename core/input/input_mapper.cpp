@@ -4,21 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/input/name_hash.h"
+
 namespace imomushi {
-
-namespace {
-
-/// FNV-1a over both names.
-std::uint64_t hashOfNames(std::string_view source, std::string_view channel) {
-    std::uint64_t hash = 14695981039346656037u;
-    const auto add = [&hash](char c) { hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u; };
-    for (const char c : source) add(c);
-    add('\n');
-    for (const char c : channel) add(c);
-    return hash;
-}
-
-}  // namespace
 
 InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest) : rows_(std::move(rows)), heard_(rows_.size()), slots_(shown.size()), rowsOf_(shown.size()) {
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].shown = slots_[i].from = shown[i], slots_[i].rest = rest[i];

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/input/name_hash.h"
 #include "core/live/input_feed.h"
 
 namespace imomushi {
@@ -16,6 +17,8 @@ namespace {
 constexpr std::chrono::milliseconds kSlice(10);
 /// A sender that was silent for so long, ns, is not there any more.
 constexpr std::int64_t kGone = 10'000'000'000;
+/// Channels whose last value is remembered; whoever has more sends them all the time.
+constexpr std::size_t kMostRemembered = 4096;
 
 }  // namespace
 
@@ -38,6 +41,7 @@ void HearingThread::close(const std::string& source) {
     stop();
     listener_.close(static_cast<std::size_t>(found - sources_.begin()));
     sources_.erase(found);
+    std::erase_if(last_, [&](const auto& known) { return known.second.source.text() == source; });
     run();
 }
 
@@ -57,6 +61,8 @@ void HearingThread::feed(std::shared_ptr<InputFeed> feed, std::vector<std::strin
     const std::lock_guard lock(mutex_);
     feed_ = std::move(feed);
     names_ = std::move(names);
+    if (!feed_ || held_) return;
+    for (const auto& [name, value] : last_) (void)feed_->give(std::span(&value, 1));
 }
 
 void HearingThread::hold(bool held) {
@@ -123,6 +129,10 @@ void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<
         values_.push_back(value);
     });
     if (asked) listener_.answerList(index, [this] { return names_; });
+    for (const InputValue& value : values_) {
+        const std::uint64_t name = hashOfNames(value.source.text(), value.channel.text());
+        if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
+    }
     if (learner_)
         for (const InputValue& value : values_) learner_->hear(value);
     if (feed_ && !held_ && !values_.empty() && !feed_->give(values_)) ++source.lost;

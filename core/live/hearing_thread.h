@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "core/input/control_learner.h"
@@ -45,7 +46,7 @@ public:
     [[nodiscard]] bool hears() const { return !sources_.empty(); }
     [[nodiscard]] std::optional<Heard> heard(const std::string& source) const;
 
-    /// Where values go, null: nowhere; `names`: nameMessages(), for whoever asks.
+    /// Where values go, null: nowhere; what controls said last is given at once, as a fader that stands still says nothing. `names`: nameMessages(), for whoever asks.
     void feed(std::shared_ptr<InputFeed> feed, std::vector<std::string> names);
     /// Values are counted, and learned from, but not given to the feed.
     void hold(bool held);
@@ -78,6 +79,7 @@ private:
     mutable std::mutex mutex_;        // what both threads see: counts and senders of sources, and from here on
     std::shared_ptr<InputFeed> feed_;
     std::vector<std::string> names_;
+    std::unordered_map<std::uint64_t, InputValue> last_;  // of each channel, by a hash of source and name
     bool held_ = false;
     std::unique_ptr<ControlLearner> learner_;
     std::vector<InputValue> values_;  // of the packet that is read

@@ -23,7 +23,7 @@ using Kind = MappedTarget::Kind;
 constexpr double kFarthestDirect = 1e6;
 constexpr double kLargestDirectAngle = 100.0;  // radians
 
-/// Which of Driven::slots a target is.
+/// Which of Driven::slotNumbers a target is.
 std::size_t slotOf(const MappedTarget& target) {
     switch (target.kind) {
         case Kind::HandlePlace:
@@ -147,7 +147,7 @@ struct InputDriver::Tables {
         if (!thing) return;
         Turned* bone = target.kind == Kind::BoneTurn ? findTurned(target) : nullptr;
         if (target.kind == Kind::BoneTurn && !bone) return;
-        int& slot = bone ? bone->slots[static_cast<std::size_t>(target.axis)] : thing->slots[slotOf(target)];
+        int& slot = bone ? bone->slotNumbers[static_cast<std::size_t>(target.axis)] : thing->slotNumbers[slotOf(target)];
         if (slot < 0) {
             slot = static_cast<int>(shown.size());
             const auto axis = static_cast<Eigen::Index>(target.axis);
@@ -219,14 +219,14 @@ InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), t
 std::span<const LiveInput> InputDriver::step(double seconds) {
     mapper_.step(seconds);
     moved_.clear();
-    const auto moves = [this](const auto& slots) { return std::any_of(slots.begin(), slots.end(), [this](int slot) { return slot >= 0 && mapper_.moved(slot); }); };
-    const bool turns = std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slots); });
+    const auto moves = [this](const auto& slotNumbers) { return std::any_of(slotNumbers.begin(), slotNumbers.end(), [this](int slot) { return slot >= 0 && mapper_.moved(slot); }); };
+    const bool turns = std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slotNumbers); });
     for (Driven& driven : driven_) {
-        driven.moved = !driven.byHand && moves(driven.slots);
+        driven.moved = !driven.byHand && moves(driven.slotNumbers);
         if (!driven.moved) continue;
         LiveInput& input = driven.input;
         const auto put = [&](std::size_t slot, double& to, double rest) {
-            if (driven.slots[slot] >= 0) to = rest + mapper_.shown(driven.slots[slot]);
+            if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]);
         };
         if (input.kind == LiveInput::Kind::Morph) {
             put(0, input.weight, 0.0);
@@ -234,10 +234,10 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
             for (std::size_t k = 0; k < 3; ++k) put(k, input.target[static_cast<Eigen::Index>(k)], driven.rest[static_cast<Eigen::Index>(k)]);
             if (input.kind == LiveInput::Kind::End) {
                 put(3, input.roll, 0.0);
-                input.hasRoll = input.hasRoll || (driven.slots[3] >= 0 && mapper_.winner(driven.slots[3]) >= 0);
+                input.hasRoll = input.hasRoll || (driven.slotNumbers[3] >= 0 && mapper_.winner(driven.slotNumbers[3]) >= 0);
             } else {
                 for (std::size_t k = 0; k < 3; ++k) put(3 + k, driven.turn[static_cast<Eigen::Index>(k)], 0.0);
-                if (driven.slots[3] >= 0 || driven.slots[4] >= 0 || driven.slots[5] >= 0) input.rotation = rotationOf(driven.turn);
+                if (driven.slotNumbers[3] >= 0 || driven.slotNumbers[4] >= 0 || driven.slotNumbers[5] >= 0) input.rotation = rotationOf(driven.turn);
             }
         }
     }
@@ -249,12 +249,12 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
 }
 
 bool InputDriver::placed(const Driven& driven) const {
-    return std::any_of(driven.slots.begin(), driven.slots.begin() + 3, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; });
+    return std::any_of(driven.slotNumbers.begin(), driven.slotNumbers.begin() + 3, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; });
 }
 
 void InputDriver::follow(Turned& bone) {
-    for (std::size_t k = 0; k < bone.slots.size(); ++k)
-        if (bone.slots[k] >= 0) bone.turn[static_cast<Eigen::Index>(k)] = mapper_.shown(bone.slots[k]);
+    for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k)
+        if (bone.slotNumbers[k] >= 0) bone.turn[static_cast<Eigen::Index>(k)] = mapper_.shown(bone.slotNumbers[k]);
     const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
     bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
     Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
@@ -269,7 +269,7 @@ void InputDriver::follow(Turned& bone) {
     if (end.byHand) return;
     // Where something drives its place or roll themselves, that counts.
     if (!placed(end)) input.target = bone.startNow + way;
-    if (end.slots[3] < 0 || mapper_.winner(end.slots[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
+    if (end.slotNumbers[3] < 0 || mapper_.winner(end.slotNumbers[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
     end.moved = true;
 }
 
@@ -278,10 +278,10 @@ void InputDriver::giveToHand(const LiveInput& held) {
         if (!driven.input.sameTarget(held)) continue;
         driven.byHand = true;
         driven.input.target = held.target;  // bones that start there are turned about it
-        for (const int slot : driven.slots)
+        for (const int slot : driven.slotNumbers)
             if (slot >= 0) mapper_.setByHand(slot, true, mapper_.shown(slot));
         for (const Turned& bone : turned_)
-            for (const int slot : bone.slots)
+            for (const int slot : bone.slotNumbers)
                 if (slot >= 0 && &driven_[bone.end] == &driven) mapper_.setByHand(slot, true, mapper_.shown(slot));
     }
 }
@@ -294,8 +294,8 @@ void InputDriver::pointAt(Turned& bone, const Vec3& end) {
         const Eigen::Quaterniond now = minimalRotation(was.normalized(), way.normalized()) * bone.now;
         bone.turn = rotationVector(((parent ? parent->now : bone.parentTurn).conjugate() * now).normalized());
     }
-    for (std::size_t k = 0; k < bone.slots.size(); ++k)
-        if (bone.slots[k] >= 0) mapper_.setByHand(bone.slots[k], false, bone.turn[static_cast<Eigen::Index>(k)]);
+    for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k)
+        if (bone.slotNumbers[k] >= 0) mapper_.setByHand(bone.slotNumbers[k], false, bone.turn[static_cast<Eigen::Index>(k)]);
 }
 
 void InputDriver::read(std::span<InputMeter> meters) const {
@@ -316,7 +316,7 @@ void InputDriver::hold(const LiveInput& held) {
         const Vec3 place = held.target - driven.rest;
         const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : driven.turn.x(), driven.turn.y(), driven.turn.z()};
         for (std::size_t k = 0; k < shown.size(); ++k)
-            if (driven.slots[k] >= 0) mapper_.setByHand(driven.slots[k], false, shown[k]);
+            if (driven.slotNumbers[k] >= 0) mapper_.setByHand(driven.slotNumbers[k], false, shown[k]);
     }
 }
 

@@ -46,7 +46,7 @@ private:
         Vec3 startAt = Vec3::Zero();       ///< m, where it has no parent here
         Vec3 fromParent = Vec3::Zero(), along = Vec3::Zero();  ///< at rest: from the start of its parent to its own, from there to its end
         double rollSign = 1.0;
-        std::array<int, 3> slots{-1, -1, -1};
+        std::array<int, 3> slotNumbers{-1, -1, -1};
         Vec3 turn = Vec3::Zero();          ///< about its parent, a rotation vector
         // Of the last step
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
@@ -57,7 +57,7 @@ private:
         LiveInput input;     ///< as it was given last
         Vec3 rest = Vec3::Zero();
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
-        std::array<int, 6> slots{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a morph target its weight first
+        std::array<int, 6> slotNumbers{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a morph target its weight first
         bool moved = false;  ///< in the last step
         bool byHand = false;
     };

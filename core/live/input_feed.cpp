@@ -6,7 +6,7 @@
 namespace imomushi {
 
 InputFeed::InputFeed(InputDriver driver) : driver_(std::move(driver)) {
-    for (std::vector<InputMeter>& meters : meters_.slots()) meters.resize(driver_.mappings());
+    for (std::vector<InputMeter>& meters : meters_.allSlots()) meters.resize(driver_.mappings());
 }
 
 bool InputFeed::give(std::span<const InputValue> packet) {
@@ -36,12 +36,12 @@ bool InputFeed::giveToHand(const LiveInput& held) { return tell({held, true}); }
 
 void InputFeed::step(double seconds, LiveCharacter& live) {
     for (; const Hand* hand = hands_.front(); hands_.pop()) hand->has ? driver_.giveToHand(hand->input) : driver_.hold(hand->input);
-    if (letsGo_.exchange(false, std::memory_order_acquire)) driver_.letGo();
     while (const Heard* heard = values_.front()) {
         (void)driver_.take(heard->value);
         if (heard->last) ++packets_;
         values_.pop();
     }
+    if (letsGo_.exchange(false, std::memory_order_acquire)) driver_.letGo();  // of what was heard until then, too
     for (const LiveInput& input : driver_.step(seconds)) {
         if (live.apply(input) || refused_.free() == 0) continue;
         refused_.give(input);

@@ -77,7 +77,7 @@ void Performer::start() noexcept {
         if (inputs_.empty() && !feed_ && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
-        for (PerformedFrame& frame : frames_.slots()) {
+        for (PerformedFrame& frame : frames_.allSlots()) {
             frame.shape.resize(numbers_.size());
             fill(frame);
         }

@@ -30,7 +30,7 @@ TEST_CASE("triple buffer: the reader sees the latest value, once, and keeps it w
 TEST_CASE("triple buffer: values that one thread writes arrive whole on another one, in order, the last one always") {
     constexpr int kValues = 200'000;
     TripleBuffer<std::vector<int>> buffer;
-    for (auto& slot : buffer.slots()) slot.assign(64, 0);
+    for (auto& slot : buffer.allSlots()) slot.assign(64, 0);
     std::thread writer([&] {
         for (int value = 1; value <= kValues; ++value) {
             for (int& number : buffer.back()) number = value;

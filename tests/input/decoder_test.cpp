@@ -10,7 +10,7 @@
 #include "core/base/utf8.h"
 #include "core/input/input_decoder.h"
 #include "core/input/pad_packet.h"
-#include "tests/input/osc_bytes.h"
+#include "tests/support/osc_bytes.h"
 
 using namespace imomushi;
 

@@ -12,7 +12,7 @@
 
 #include "core/input/raw_inputs.h"
 #include "core/input/udp_port.h"
-#include "tests/input/osc_bytes.h"
+#include "tests/support/osc_bytes.h"
 #include "tests/support/folder.h"
 
 using namespace imomushi;
