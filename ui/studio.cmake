@@ -20,9 +20,10 @@ imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_jobs)
 imomushi_library(imomushi_inspector ui/panels/inspector imomushi_widgets imomushi_tools)
 # One header for all forms: moc finds by itself only those that have a source of the same name.
 target_sources(imomushi_inspector PRIVATE ${PROJECT_SOURCE_DIR}/ui/panels/inspector/inspector_forms.h)
+imomushi_library(imomushi_live_panel ui/panels/live imomushi_widgets imomushi_jobs)
 imomushi_library(imomushi_accuracy_panel ui/panels/accuracy imomushi_widgets imomushi_jobs imomushi_viewport)
 imomushi_library(imomushi_dialogs ui/dialogs imomushi_widgets imomushi_jobs imomushi_viewport)
-imomushi_library(imomushi_window ui/window imomushi_panels imomushi_inspector imomushi_accuracy_panel imomushi_dialogs imomushi_viewport)
+imomushi_library(imomushi_window ui/window imomushi_panels imomushi_inspector imomushi_accuracy_panel imomushi_live_panel imomushi_dialogs imomushi_viewport)
 imomushi_library(imomushi_studio ui imomushi_window)
 
 # Icons and translations are part of the program: nothing has to be found at run time.

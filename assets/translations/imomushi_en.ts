@@ -275,4 +275,31 @@
             </translation>
         </message>
     </context>
+    <context>
+        <name>imomushi::MainWindow</name>
+        <message numerus="yes">
+            <source>%n mapping(s) loaded.</source>
+            <translation>
+                <numerusform>%n mapping loaded.</numerusform>
+                <numerusform>%n mappings loaded.</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n of them wait(s) for what the character does not have.</source>
+            <translation>
+                <numerusform>%n of them waits for what the character does not have.</numerusform>
+                <numerusform>%n of them wait for what the character does not have.</numerusform>
+            </translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::SourceRows</name>
+        <message numerus="yes">
+            <source>%1 packets/s from %n sender(s).</source>
+            <translation>
+                <numerusform>%1 packets/s from %n sender.</numerusform>
+                <numerusform>%1 packets/s from %n senders.</numerusform>
+            </translation>
+        </message>
+    </context>
 </TS>

@@ -319,6 +319,22 @@
             <source>&amp;Search…</source>
             <translation>検索(&amp;S)…</translation>
         </message>
+        <message>
+            <source>L&amp;ive inputs</source>
+            <translation>ライブ入力(&amp;I)</translation>
+        </message>
+        <message>
+            <source>Let ever&amp;ything go</source>
+            <translation>すべて放す(&amp;Y)</translation>
+        </message>
+        <message>
+            <source>Load mappin&amp;gs…</source>
+            <translation>対応づけを読み込む(&amp;G)…</translation>
+        </message>
+        <message>
+            <source>Save mapping&amp;s…</source>
+            <translation>対応づけを保存(&amp;S)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -3679,6 +3695,30 @@
             <source>Choose a sample, or drop a file on the window · Help &gt; Mouse and keys lists all keys</source>
             <translation>サンプルを選ぶか、ウィンドウにファイルをドロップしてください · すべてのキーは「ヘルプ」&gt;「マウスとキー」にあります</translation>
         </message>
+        <message>
+            <source>Mappings (*.json)</source>
+            <translation>対応づけ (*.json)</translation>
+        </message>
+        <message>
+            <source>Load mappings</source>
+            <translation>対応づけを読み込む</translation>
+        </message>
+        <message>
+            <source>Save mappings</source>
+            <translation>対応づけを保存</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n mapping(s) loaded.</source>
+            <translation>
+                <numerusform>%n 件の対応づけを読み込みました。</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
+            <source>%n of them wait(s) for what the character does not have.</source>
+            <translation>
+                <numerusform>そのうち %n 件は、キャラクターにないものを待ちます。</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -3820,6 +3860,14 @@
         <message>
             <source>It has joint faces, bones or handles: precompute makes it soft.</source>
             <translation>関節面かボーンかハンドルがあります。前計算をすると柔らかくなります。</translation>
+        </message>
+        <message>
+            <source>Nobody is listened to.</source>
+            <translation>どの送り手も聞いていません。</translation>
+        </message>
+        <message>
+            <source>There are no mappings.</source>
+            <translation>対応づけがありません。</translation>
         </message>
     </context>
     <context>
@@ -4006,6 +4054,10 @@
         <message>
             <source>Issues</source>
             <translation>問題</translation>
+        </message>
+        <message>
+            <source>Live inputs</source>
+            <translation>ライブ入力</translation>
         </message>
     </context>
     <context>
@@ -6045,6 +6097,437 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Save…</source>
             <translation>保存…</translation>
+        </message>
+    </context>
+    <context>
+        <name>MappingTexts</name>
+        <message>
+            <source>sideways (X)</source>
+            <translation>左右 (X)</translation>
+        </message>
+        <message>
+            <source>up (Y)</source>
+            <translation>上下 (Y)</translation>
+        </message>
+        <message>
+            <source>forward (Z)</source>
+            <translation>前後 (Z)</translation>
+        </message>
+        <message>
+            <source>turn %1</source>
+            <comment>about an axis</comment>
+            <translation>%1 軸の回転</translation>
+        </message>
+        <message>
+            <source>%1, %2</source>
+            <comment>a handle, a number of it</comment>
+            <translation>%1、%2</translation>
+        </message>
+        <message>
+            <source>end of %1</source>
+            <comment>a bone</comment>
+            <translation>%1 の先</translation>
+        </message>
+        <message>
+            <source>start of %1</source>
+            <comment>a bone</comment>
+            <translation>%1 の根元</translation>
+        </message>
+        <message>
+            <source>roll</source>
+            <translation>ひねり</translation>
+        </message>
+        <message>
+            <source>weight</source>
+            <translation>重み</translation>
+        </message>
+        <message>
+            <source>%1, %2</source>
+            <comment>a control, a number of it</comment>
+            <translation>%1、%2</translation>
+        </message>
+        <message>
+            <source>%1, number %2</source>
+            <comment>a control</comment>
+            <translation>%1、%2 番目の数</translation>
+        </message>
+        <message>
+            <source>Game controller</source>
+            <translation>ゲームコントローラー</translation>
+        </message>
+        <message>
+            <source>%1, %2</source>
+            <comment>an end of a bone, a direction</comment>
+            <translation>%1、%2</translation>
+        </message>
+        <message>
+            <source>end</source>
+            <translation>先</translation>
+        </message>
+        <message>
+            <source>start</source>
+            <translation>根元</translation>
+        </message>
+        <message>
+            <source>Shapes of %1</source>
+            <comment>morph targets of a character</comment>
+            <translation>%1 の形</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::LearnBar</name>
+        <message>
+            <source>There is no handle, no bone and no shape that could be driven.</source>
+            <translation>動かせるハンドル、ボーン、形がありません。</translation>
+        </message>
+        <message>
+            <source>Switch on a source first.</source>
+            <translation>まず送り手をオンにしてください。</translation>
+        </message>
+        <message>
+            <source>Press, then move the control that is to drive this.</source>
+            <translation>押してから、これを動かす操作子を動かしてください。</translation>
+        </message>
+        <message>
+            <source>Move the control that is to drive “%1” …</source>
+            <translation>「%1」を動かす操作子を動かしてください…</translation>
+        </message>
+        <message>
+            <source>%1, from %2 to %3 …</source>
+            <comment>a control that moves, its range</comment>
+            <translation>%1、%2 から %3 まで…</translation>
+        </message>
+        <message>
+            <source>What is to be driven</source>
+            <translation>動かすもの</translation>
+        </message>
+        <message>
+            <source>Which number of it</source>
+            <translation>その中のどの数</translation>
+        </message>
+        <message>
+            <source>Learn</source>
+            <translation>学習</translation>
+        </message>
+        <message>
+            <source>Use it</source>
+            <translation>これを使う</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::LivePanel</name>
+        <message>
+            <source>Plug: switch on a source on the left, and let a program send to its port.</source>
+            <translation>つなぐ：左の送り手をオンにし、プログラムからそのポートへ送ってください。</translation>
+        </message>
+        <message>
+            <source>Everything was let go. Inputs move nothing until you continue.</source>
+            <translation>すべて放しました。「続ける」まで、入力は何も動かしません。</translation>
+        </message>
+        <message>
+            <source>What inputs held was undone. They move nothing until you continue.</source>
+            <translation>入力が保持していたものを元に戻しました。「続ける」まで、入力は何も動かしません。</translation>
+        </message>
+        <message>
+            <source>Inputs could not take hold of the character. They move nothing until you continue.</source>
+            <translation>入力はキャラクターをつかめませんでした。「続ける」まで、何も動かしません。</translation>
+        </message>
+        <message>
+            <source>A take is shown. Leave it, and inputs move the character.</source>
+            <translation>テイクを表示しています。離れると、入力がキャラクターを動かします。</translation>
+        </message>
+        <message>
+            <source>There is no character to perform yet. Open a sample, or make a mesh soft.</source>
+            <translation>演じるキャラクターがまだありません。サンプルを開くか、メッシュを柔らかくしてください。</translation>
+        </message>
+        <message>
+            <source>Plug: nothing has come yet. The sender’s address and port are on the left.</source>
+            <translation>つなぐ：まだ何も届いていません。送り先のアドレスとポートは左にあります。</translation>
+        </message>
+        <message>
+            <source>Learn: choose what is to move, press Learn, and move a control.</source>
+            <translation>学習：動かすものを選び、「学習」を押して、操作子を動かしてください。</translation>
+        </message>
+        <message>
+            <source>Record: all that you see is kept.</source>
+            <translation>記録：見えているものがすべて残ります。</translation>
+        </message>
+        <message>
+            <source>Play. Recording keeps what you perform as a take.</source>
+            <translation>演じる。記録すると、演技がテイクになります。</translation>
+        </message>
+        <message>
+            <source>Play. %1 records what you perform as a take.</source>
+            <comment>a key</comment>
+            <translation>演じる。%1 で、演技をテイクに記録します。</translation>
+        </message>
+        <message>
+            <source>Sources</source>
+            <translation>送り手</translation>
+        </message>
+        <message>
+            <source>Mappings</source>
+            <translation>対応づけ</translation>
+        </message>
+        <message>
+            <source>Move this row up. Of rows that drive the same, the upper one wins.</source>
+            <translation>この行を上へ。同じものを動かす行では、上の行が勝ちます。</translation>
+        </message>
+        <message>
+            <source>Move this row down</source>
+            <translation>この行を下へ</translation>
+        </message>
+        <message>
+            <source>Remove this row</source>
+            <translation>この行を削除</translation>
+        </message>
+        <message>
+            <source>Continue</source>
+            <translation>続ける</translation>
+        </message>
+        <message>
+            <source>Let everything go</source>
+            <translation>すべて放す</translation>
+        </message>
+        <message>
+            <source>Everything that inputs move glides to rest, and they move nothing more until you continue.</source>
+            <translation>入力が動かしているものはすべて、なめらかに静止の姿へ戻ります。「続ける」まで、入力は何も動かしません。</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::MappingForm</name>
+        <message>
+            <source>Control</source>
+            <translation>操作子</translation>
+        </message>
+        <message>
+            <source>Control from</source>
+            <translation>操作子の始まり</translation>
+        </message>
+        <message>
+            <source>Where the range of the control begins.</source>
+            <translation>操作子の範囲の始まり。</translation>
+        </message>
+        <message>
+            <source>Control to</source>
+            <translation>操作子の終わり</translation>
+        </message>
+        <message>
+            <source>Where the range of the control ends.</source>
+            <translation>操作子の範囲の終わり。</translation>
+        </message>
+        <message>
+            <source>Becomes</source>
+            <translation>動き</translation>
+        </message>
+        <message>
+            <source>Becomes from</source>
+            <translation>動きの始まり</translation>
+        </message>
+        <message>
+            <source>What the beginning of the range becomes, from rest.</source>
+            <translation>範囲の始まりがなる値。静止の姿から。</translation>
+        </message>
+        <message>
+            <source>Becomes to</source>
+            <translation>動きの終わり</translation>
+        </message>
+        <message>
+            <source>What the end of the range becomes, from rest.</source>
+            <translation>範囲の終わりがなる値。静止の姿から。</translation>
+        </message>
+        <message>
+            <source>Turn the direction round</source>
+            <translation>向きを逆にする</translation>
+        </message>
+        <message>
+            <source>Curve</source>
+            <translation>カーブ</translation>
+        </message>
+        <message>
+            <source>1: straight. More: finer near the beginning, or near the middle of a control that has its rest there.</source>
+            <translation>1：まっすぐ。大きいほど、始まりの近く、または中央で止まる操作子では中央の近くが細かくなります。</translation>
+        </message>
+        <message>
+            <source>Dead zone</source>
+            <translation>遊び</translation>
+        </message>
+        <message>
+            <source>Dead zone: this part of the range, next to its beginning or middle, counts as that.</source>
+            <translation>遊び：始まりまたは中央の隣の、範囲のこの割合は、そこと同じとみなします。</translation>
+        </message>
+        <message>
+            <source>Smoothing</source>
+            <translation>平滑化</translation>
+        </message>
+        <message>
+            <source>How late what stands still is followed; 0: nothing is smoothed. What moves fast is followed sooner, by the number beside.</source>
+            <translation>止まっているものに付いていく遅れ。0：平滑化しません。速い動きには、隣の数だけ早く付いていきます。</translation>
+        </message>
+        <message>
+            <source>Reaction</source>
+            <translation>反応</translation>
+        </message>
+        <message>
+            <source>Reaction: the more, the sooner fast motion is followed (Hz per unit of the control and second).</source>
+            <translation>反応：大きいほど、速い動きに早く付いていきます (操作子の 1 単位と 1 秒あたりの Hz)。</translation>
+        </message>
+        <message>
+            <source>In silence</source>
+            <translation>無音では</translation>
+        </message>
+        <message>
+            <source>Holds</source>
+            <translation>そのまま</translation>
+        </message>
+        <message>
+            <source>Glides to rest</source>
+            <translation>静止へ戻る</translation>
+        </message>
+        <message>
+            <source>Next row</source>
+            <translation>次の行</translation>
+        </message>
+        <message>
+            <source>What happens when nothing is heard for longer than the time beside.</source>
+            <translation>隣の時間より長く何も届かないときに起こること。</translation>
+        </message>
+        <message>
+            <source>Silent after</source>
+            <translation>無音までの時間</translation>
+        </message>
+        <message>
+            <source>Silent after so many seconds; 0: never.</source>
+            <translation>この秒数で無音とみなします。0：みなしません。</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::MappingModel</name>
+        <message>
+            <source>%1 drives it, too. This row wins now.</source>
+            <translation>%1 も動かします。今はこの行が勝っています。</translation>
+        </message>
+        <message>
+            <source>%1 wins now.</source>
+            <translation>今は%1 が勝っています。</translation>
+        </message>
+        <message>
+            <source>%1 drives it, too. The upper row wins.</source>
+            <translation>%1 も動かします。上の行が勝ちます。</translation>
+        </message>
+        <message>
+            <source>%1 of “%2”, number %3</source>
+            <comment>an address of a source</comment>
+            <translation>「%2」の %1、%3 番目の数</translation>
+        </message>
+        <message>
+            <source>The character has no “%1”. The row waits for it.</source>
+            <translation>キャラクターに「%1」がありません。この行はそれを待ちます。</translation>
+        </message>
+        <message>
+            <source>Muted: it drives nothing</source>
+            <translation>ミュート中：何も動かしません</translation>
+        </message>
+        <message>
+            <source>Mute: it drives nothing</source>
+            <translation>ミュート：何も動かしません</translation>
+        </message>
+        <message>
+            <source>Solo: rows that are not solo are muted</source>
+            <translation>ソロ：ソロでない行はミュートされます</translation>
+        </message>
+        <message>
+            <source>Control</source>
+            <translation>操作子</translation>
+        </message>
+        <message>
+            <source>Now</source>
+            <translation>現在</translation>
+        </message>
+        <message>
+            <source>Drives</source>
+            <translation>動かすもの</translation>
+        </message>
+        <message>
+            <source>Row %1, “%2”,</source>
+            <comment>a mapping, its control</comment>
+            <translation>行 %1「%2」</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::SourceRows</name>
+        <message>
+            <source>Listening. Any machine may send to port %1.</source>
+            <translation>聞いています。どのコンピューターもポート %1 へ送れます。</translation>
+        </message>
+        <message>
+            <source>Listening. Programs on this machine may send to 127.0.0.1, port %1.</source>
+            <translation>聞いています。このコンピューターのプログラムは 127.0.0.1 のポート %1 へ送れます。</translation>
+        </message>
+        <message>
+            <source>Silent: no sender is heard now.</source>
+            <translation>無音：今はどの送り手も聞こえません。</translation>
+        </message>
+        <message>
+            <source>Broken packets, left out: %1.</source>
+            <translation>壊れていて除いたパケット：%1。</translation>
+        </message>
+        <message>
+            <source>Packets that came too fast: %1.</source>
+            <translation>速すぎて入らなかったパケット：%1。</translation>
+        </message>
+        <message>
+            <source>Too many senders; packets of the others, left out: %1.</source>
+            <translation>送り手が多すぎます。ほかの送り手の、除いたパケット：%1。</translation>
+        </message>
+        <message>
+            <source>Add a source</source>
+            <translation>送り手を加える</translation>
+        </message>
+        <message>
+            <source>Listen to %1</source>
+            <comment>a source</comment>
+            <translation>%1 を聞く</translation>
+        </message>
+        <message>
+            <source>Port</source>
+            <translation>ポート</translation>
+        </message>
+        <message>
+            <source>Port of %1</source>
+            <comment>a source</comment>
+            <translation>%1 のポート</translation>
+        </message>
+        <message>
+            <source>Other machines may send, too</source>
+            <translation>ほかのコンピューターも送れます</translation>
+        </message>
+        <message>
+            <source>Remove this source</source>
+            <translation>この送り手を削除</translation>
+        </message>
+        <message>
+            <source>Remove %1</source>
+            <comment>a source</comment>
+            <translation>%1 を削除</translation>
+        </message>
+        <message>
+            <source>Every machine that reaches this one may send. Click: programs on this machine alone.</source>
+            <translation>このコンピューターに届くすべてのコンピューターが送れます。クリック：このコンピューターのプログラムだけにします。</translation>
+        </message>
+        <message>
+            <source>Programs on this machine alone may send. Click: open the port to the network.</source>
+            <translation>このコンピューターのプログラムだけが送れます。クリック：ポートをネットワークに開きます。</translation>
+        </message>
+        <message numerus="yes">
+            <source>%1 packets/s from %n sender(s).</source>
+            <translation>
+                <numerusform>%n 件の送り手から毎秒 %1 パケット。</numerusform>
+            </translation>
         </message>
     </context>
 </TS>

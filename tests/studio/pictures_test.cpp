@@ -4,7 +4,10 @@
 #include <QDockWidget>
 
 #include "tests/studio/window.h"
+#include "tests/support/osc_bytes.h"
+#include "tests/support/udp_sender.h"
 #include "ui/dialogs/export_dialog.h"
+#include "ui/panels/live/live_panel.h"
 #include "ui/window/status_strip.h"
 
 using namespace imomushi;
@@ -133,6 +136,33 @@ TEST_CASE("pictures: what accuracy costs" * doctest::skip()) {
     w.window().resizeDocks({dock}, {430}, Qt::Vertical);
     waitFor([&] { return w.window().accuracy().isVisible() && !w.window().accuracy().study().points.empty(); });
     w.shootOnly(*dock, "accuracy");
+}
+
+TEST_CASE("pictures: other programs perform" * doctest::skip()) {
+    Picture w;
+    w.openSample("octopus");
+    w.look(Vec3(0.25, 0.3, 1.0));
+    w.trigger("live-inputs");
+    const auto map = [&](const char* source, const char* channel, int component, const char* target, double inLow, double low, double high, double hertz) {
+        w.run({{"do", "map-input"}, {"source", source}, {"channel", channel}, {"component", component}, {"target", target}, {"in", {inLow, 1}}, {"out", {low, high}}, {"hertz", hertz}});
+    };
+    map("osc", "/xy/1", 0, "bone/arm2-tip-bone/end/x", 0, -0.1, 0.4, 0);
+    map("osc", "/xy/1", 1, "bone/arm2-tip-bone/end/y", 0, 0, 0.9, 0);
+    map("osc", "/fader/1", 0, "bone/mantle-bone/end/y", 0, 0, 0.25, 2);
+    map("vmc", "bone/LeftUpperArm", 7, "bone/arm8-tip-bone/turn-x", -1, -0.8, 0.8, 4);
+    map("osc", "/fader/2", 0, "bone/mantle-bone/end/y", 0, 0, 0.2, 0);
+    InputDeck& inputs = w.window().inputs();
+    inputs.setOn(0, true);
+    REQUIRE(inputs.sources()[0].on);
+    const UdpSender sender(std::uint16_t(inputs.sources()[0].port));
+    w.window().live().view()->choose(2);
+    for (int i = 0; i < 150; ++i) {
+        sender.send(oscBytes("/xy/1", {0.62F, 0.8F}));
+        sender.send(oscBytes("/fader/1", {0.45F}));
+        QTest::qWait(20);
+    }
+    w.shoot("live");
+    inputs.switchAllOff();
 }
 
 TEST_CASE("pictures: a take is exported" * doctest::skip()) {

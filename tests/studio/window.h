@@ -25,6 +25,7 @@
 #include "core/commands/core_commands.h"
 #include "core/reports/report_commands.h"
 #include "ui/dialogs/import_dialog.h"
+#include "ui/models/input_deck.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/viewport/viewport_widget.h"
@@ -149,6 +150,7 @@ public:
         w.deck().stopRecording();
         w.deck().setPlaying(false);
         w.deck().leave();
+        w.inputs().switchAllOff();
         (void)w.document().execute({{"do", "new"}});
         for (const char* off : {"loop", "count-in", "orthographic", "bodies", "xray", "soft-at-once", "passing-handles"})
             if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();

@@ -2,6 +2,7 @@
 #include "ui/models/commands.h"
 
 #include "core/commands/proposal_commands.h"
+#include "core/document/input_mapping.h"
 
 namespace imomushi::commands {
 namespace {
@@ -251,6 +252,17 @@ Json rest() { return {{"do", "rest"}}; }
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to) {
     return {{"do", "touch"}, {"element", element}, {"point", vector(point)}, {"to", to ? vector(*to) : Json()}};
 }
+
+Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position) {
+    Json command = mappingJson(mapping);
+    command["do"] = "map-input";
+    add(command, "position", position);
+    return command;
+}
+
+Json unmapInput(const InputMapping& mapping) { return {{"do", "unmap-input"}, {"source", mapping.row.source}, {"channel", mapping.row.channel}, {"component", mapping.row.component}, {"target", mapping.target}}; }
+Json saveMappings(const std::string& path) { return {{"do", "save-mappings"}, {"path", path}}; }
+Json loadMappings(const std::string& path) { return {{"do", "load-mappings"}, {"path", path}}; }
 
 Json startRecording(const std::string& take) { return recordCommand(take, "start"); }
 Json stopRecording(const std::string& take) { return recordCommand(take, "stop"); }

@@ -18,6 +18,7 @@
 /// Elements, bones and takes go by their names, joint faces by "element/face", endpoints by "bone/start" and "bone/end" (see paths.h).
 namespace imomushi {
 struct CharacterSource;
+struct InputMapping;
 struct Proposal;
 }
 
@@ -204,6 +205,14 @@ Json releaseAll();
 Json rest();
 /// A finger at the point `point` of the rest shape, whose tip is at `to`; m. Without `to` it is lifted.
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to);
+
+// ---- live input ------------------------------------------------------------------------------------------------------------
+
+/// A row of the table of mappings, with all it says. `position`: its place in the table, where it gets another one.
+Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position = {});
+Json unmapInput(const InputMapping& mapping);
+Json saveMappings(const std::string& path);
+Json loadMappings(const std::string& path);
 
 // ---- takes -----------------------------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@
 #include "core/commands/prepared_step.h"
 #include "core/document/document_change.h"
 #include "ui/models/failures.h"
+#include "ui/models/gesture.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
 
@@ -108,6 +109,22 @@ void StudioDocument::perform() {
     performing_ = true;
     session_.perform(kHertz, [this] { askForFrame(); });
     askForFrame();
+}
+
+void StudioDocument::performInputs(std::shared_ptr<InputFeed> feed) {
+    session_.performInputs(std::move(feed));
+    askForFrame();
+}
+
+bool StudioDocument::holdInputs() {
+    Gesture gesture(*this);
+    const auto held = session_.holdInputs();
+    if (!held) {
+        Q_EMIT failed(errorText(held.error()));
+        return false;
+    }
+    gesture.commit({"live", {}});
+    return true;
 }
 
 // One event at a time, however fast steps follow each other.

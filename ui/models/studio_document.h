@@ -58,6 +58,10 @@ public:
     void perform();
     /// A target of what is held already, for the next step. False: a command must do it, see Session::give().
     bool give(const LiveInput& input) { return session_.give(input); }
+    /// Live input for the performance, see Session::performInputs().
+    void performInputs(std::shared_ptr<InputFeed> feed);
+    /// Takes hold of what inputs move, as one step. False: it could not, and failed() said why.
+    bool holdInputs();
     /// One frame more: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.

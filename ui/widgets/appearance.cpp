@@ -215,6 +215,7 @@ QLabel[role="good"] { color: @good; }
 #statusBar QToolButton:focus { padding: 2px 7px; }
 #statusBar QLabel { color: @muted; }
 #startPage { background: @window; }
+#wall { background: @line; max-width: 1px; min-width: 1px; border: none; }
 #rule { background: @line; max-height: 1px; min-height: 1px; border: none; }
 #search QLineEdit { border: none; background: transparent; padding: 8px 4px; font-size: @titlept; }
 #search { background: @panel; border: 1px solid @line; border-radius: 12px; }

@@ -6,6 +6,7 @@
 
 #include "core/commands/proposal_commands.h"
 #include "ui/jobs/precompute_job.h"
+#include "ui/models/input_deck.h"
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/studio_document.h"
@@ -20,8 +21,8 @@ namespace imomushi {
 
 using Kind = SelectionItem::Kind;
 
-ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, StepFlow& steps, QObject* parent)
-    : QObject(parent), actions_(actions), document_(document), deck_(deck), precompute_(precompute), steps_(steps) {
+ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, QObject* parent)
+    : QObject(parent), actions_(actions), document_(document), deck_(deck), inputs_(inputs), precompute_(precompute), steps_(steps) {
     connect(&document, &StudioDocument::structureChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::selectionChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::historyChanged, this, &ActionStates::updateSoon);
@@ -30,6 +31,7 @@ ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDec
     connect(&precompute, &BackgroundJob::finished, this, &ActionStates::updateSoon);
     connect(&steps, &StepFlow::changed, this, &ActionStates::updateSoon);
     connect(&deck, &TakeDeck::changed, this, &ActionStates::updateTakes);
+    connect(&inputs, &InputDeck::changed, this, &ActionStates::updateSoon);
 }
 
 void ActionStates::updateSoon() {
@@ -76,6 +78,8 @@ void ActionStates::update() {
     });
     const bool faces = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->faces.empty(); });
     a.allow("precompute", stale && !precompute_.running(), precompute_.running() ? tr("It is precomputing.") : faces ? tr("Everything is precomputed already.") : tr("There is nothing to precompute: no element has a joint face or a handle."));
+    a.allow("let-go", inputs_.listens(), tr("Nobody is listened to."));
+    a.allow("save-mappings", d.mappings && !d.mappings->empty(), tr("There are no mappings."));
     updateSteps();
     updateTakes();
     a[kThemeActions[std::size_t(Appearance::instance().theme())]]->setChecked(true);

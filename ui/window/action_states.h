@@ -6,16 +6,17 @@
 namespace imomushi {
 
 class ActionSet;
+class InputDeck;
 class PrecomputeJob;
 class StepFlow;
 class StudioDocument;
 class TakeDeck;
 
-/// Which actions can be used now, which are checked, and what undo and redo would do. Follows the document, the takes and the precompute.
+/// Which actions can be used now, which are checked, and what undo and redo would do. Follows the document, the takes, the live inputs and the precompute.
 class ActionStates : public QObject {
     Q_OBJECT
 public:
-    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, PrecomputeJob& precompute, StepFlow& steps, QObject* parent);
+    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, QObject* parent);
     void update();
 
 signals:
@@ -29,6 +30,7 @@ private:
     ActionSet& actions_;
     StudioDocument& document_;
     TakeDeck& deck_;
+    InputDeck& inputs_;
     PrecomputeJob& precompute_;
     StepFlow& steps_;
     bool scheduled_ = false;

@@ -29,6 +29,7 @@
 #include "ui/models/effect_texts.h"
 #include "ui/models/failures.h"
 #include "ui/models/gesture.h"
+#include "ui/models/input_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
@@ -70,6 +71,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     setAcceptDrops(true);
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
+    inputs_ = new InputDeck(document_, *deck_, this);
     steps_ = new StepFlow(document_, [this] { return document_.inGesture() || (viewport_ && viewport_->tools().busy()); }, this);
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
@@ -80,10 +82,10 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     buildStage();
     document_.perform();
     buildStatusBar();
-    docks_ = new StudioDocks(*this, document_, *deck_, *costs_, *actions_);
+    docks_ = new StudioDocks(*this, document_, *deck_, *inputs_, *costs_, *actions_);
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
-    states_ = new ActionStates(*actions_, document_, *deck_, precompute_->job(), *steps_, this);
+    states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, this);
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     connectDocument();
@@ -119,6 +121,7 @@ MainWindow::~MainWindow() {
     delete docks_;
     delete export_;
     delete states_;
+    delete inputs_;
     delete deck_;
     delete precompute_;
     delete proposals_;
@@ -135,6 +138,7 @@ InspectorPanel& MainWindow::inspector() { return docks_->inspector(); }
 EffectsPanel& MainWindow::effects() { return docks_->effects(); }
 AccuracyPanel& MainWindow::accuracy() { return docks_->accuracy(); }
 TakesPanel& MainWindow::takes() { return docks_->takes(); }
+LivePanel& MainWindow::live() { return docks_->live(); }
 IssuesPanel& MainWindow::issues() { return docks_->issues(); }
 HistoryPanel& MainWindow::history() { return docks_->history(); }
 MessageBar& MainWindow::messages() { return overlays_->message(); }

@@ -26,6 +26,8 @@ class FrameCostMeter;
 class HistoryPanel;
 class InspectorPanel;
 class IssuesPanel;
+class InputDeck;
+class LivePanel;
 class MessageBar;
 class NextSteps;
 class OutlinerPanel;
@@ -61,6 +63,8 @@ public:
     [[nodiscard]] TakesPanel& takes();
     [[nodiscard]] HistoryPanel& history();
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
+    [[nodiscard]] LivePanel& live();
+    [[nodiscard]] InputDeck& inputs() { return *inputs_; }
     [[nodiscard]] PrecomputeFlow& precompute() { return *precompute_; }
     [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
     [[nodiscard]] StepFlow& steps() { return *steps_; }
@@ -113,6 +117,7 @@ private:
     void connectEditActions();
     void connectSoftActions();
     void connectTakeActions();
+    void connectLiveActions();
     void connectViewActions();
     void on(const char* action, std::function<void()> run);
     void onToggle(const char* action, std::function<void(bool)> run);
@@ -140,6 +145,7 @@ private:
     StudioDocument document_;
     StudioActions* actions_;
     TakeDeck* deck_;
+    InputDeck* inputs_;
     StepFlow* steps_;
     FileFlow* files_;
     RigFlow* rigs_;

@@ -14,8 +14,10 @@
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
+#include "ui/models/input_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/panels/live/live_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/tools/select_tool.h"
@@ -58,6 +60,7 @@ void MainWindow::connectActions() {
     connectEditActions();
     connectSoftActions();
     connectTakeActions();
+    connectLiveActions();
     connectViewActions();
     on("search", [this] { (new CommandSearch(findables(), this))->popUp(); });
     on("manual", [this] {
@@ -192,6 +195,31 @@ void MainWindow::connectTakeActions() {
     });
     deck_->setCountsIn(QSettings().value(countsIn, false).toBool());
     on("leave-take", [this] { deck_->leave(); });
+}
+
+void MainWindow::connectLiveActions() {
+    on("live-inputs", [this] {
+        showStart(false);
+        StudioDocks::raise(live());
+    });
+    on("let-go", [this] { inputs_->letGo(); });
+    const QString filter = tr("Mappings (*.json)");
+    onSettled("load-mappings", [this, filter] {
+        const QString path = QFileDialog::getOpenFileName(this, tr("Load mappings"), files_->folder(), filter);
+        if (path.isEmpty()) return;
+        const auto answer = document_.execute(commands::loadMappings(path.toStdString()));
+        if (!answer) return;
+        StudioDocks::raise(live());
+        const int loaded = answer->at("loaded").get<int>(), missing = int(answer->at("missing").size());
+        if (missing > 0) messages().say(tr("%n mapping(s) loaded.", nullptr, loaded) + u' ' + tr("%n of them wait(s) for what the character does not have.", nullptr, missing), MessageBar::Tone::Warning);
+        else messages().say(tr("%n mapping(s) loaded.", nullptr, loaded), MessageBar::Tone::Good);
+    });
+    onSettled("save-mappings", [this, filter] {
+        QString path = QFileDialog::getSaveFileName(this, tr("Save mappings"), QDir(files_->folder()).filePath(QStringLiteral("mappings.json")), filter);
+        if (path.isEmpty()) return;
+        if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".json");
+        if (document_.execute(commands::saveMappings(path.toStdString()))) messages().say(tr("Wrote “%1”").arg(QFileInfo(path).fileName()), MessageBar::Tone::Good);
+    });
 }
 
 void MainWindow::connectViewActions() {

@@ -16,6 +16,7 @@
 #include "ui/panels/history_panel.h"
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/issues_panel.h"
+#include "ui/panels/live/live_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/widgets/appearance.h"
@@ -24,12 +25,15 @@
 namespace imomushi {
 namespace {
 
+/// Of the live inputs, design pixels: a few rows, and the form of one.
+constexpr int kLiveHeight = 262;
+
 /// The artist sees it: no other tab is before it.
 bool inFront(const QDockWidget& dock) { return dock.isVisible() && (dock.isFloating() || !dock.visibleRegion().isEmpty()); }
 
 }  // namespace
 
-StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window), scale_(Appearance::instance().scale()) {
+StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window), scale_(Appearance::instance().scale()) {
     window.setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
     window.setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
     window.setTabPosition(Qt::BottomDockWidgetArea, QTabWidget::North);
@@ -70,7 +74,11 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         area->setMinimumHeight(pixels);
         if (tight && area->height() > pixels) window_.resizeDocks({takesDock_}, {above + pixels}, Qt::Vertical);
     }, Qt::QueuedConnection);
+    live_ = new LivePanel(document, inputs, deck, actions, &window);
+    liveDock_ = dock("liveDock", new Scrolled(live_, &window), Qt::BottomDockWidgetArea);
+    liveDock_->hide();
     window.tabifyDockWidget(accuracyDock_, takesDock_);
+    window.tabifyDockWidget(takesDock_, liveDock_);
     // Split first: a dock that is split off a tab only becomes another tab.
     window.splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     window.tabifyDockWidget(outlinerDock_, historyDock_);
@@ -110,6 +118,7 @@ void StudioDocks::retranslate() {
     effectsDock_->setWindowTitle(tr("Effects"));
     accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
     takesDock_->setWindowTitle(tr("Takes"));
+    liveDock_->setWindowTitle(tr("Live inputs"));
     tellIssues();
     followActions();
     for (QTabBar* tabs : window_.findChildren<QTabBar*>(Qt::FindDirectChildrenOnly)) tabs->setAccessibleName(tr("Panels"));
@@ -126,6 +135,7 @@ void StudioDocks::takeSizes() {
     if (window_.isVisible() && !outlinerDock_->isFloating() && outlinerDock_->width() > outlinerDock_->minimumWidth()) width_ = outlinerDock_->width() / scale_;
     for (QDockWidget* dock : {outlinerDock_, inspectorDock_, effectsDock_}) dock->setMinimumWidth(std::min(px(300), room * 2 / 5));
     accuracyDock_->widget()->setMinimumHeight(accuracy_->minimumHeight());
+    liveDock_->widget()->setMinimumHeight(px(kLiveHeight));
     const double scale = Appearance::instance().scale(), before = std::exchange(scale_, scale);
     // Docks grow with what stands in them, but do not shrink with it by themselves.
     if (scale < before) QTimer::singleShot(0, this, [this] { window_.resizeDocks({outlinerDock_, inspectorDock_}, {px(width_), px(width_)}, Qt::Horizontal); });

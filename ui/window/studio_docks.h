@@ -18,6 +18,8 @@ class FrameCostMeter;
 class HistoryPanel;
 class InspectorPanel;
 class IssuesPanel;
+class InputDeck;
+class LivePanel;
 class OutlinerPanel;
 class StudioDocument;
 class TakeDeck;
@@ -27,7 +29,7 @@ class TakesPanel;
 class StudioDocks : public QObject {
     Q_OBJECT
 public:
-    StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, FrameCostMeter& costs, ActionSet& actions);
+    StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, FrameCostMeter& costs, ActionSet& actions);
     /// Panels hear the document; they go before it does.
     ~StudioDocks() override;
 
@@ -38,9 +40,10 @@ public:
     [[nodiscard]] EffectsPanel& effects() const { return *effects_; }
     [[nodiscard]] AccuracyPanel& accuracy() const { return *accuracy_; }
     [[nodiscard]] TakesPanel& takes() const { return *takes_; }
+    [[nodiscard]] LivePanel& live() const { return *live_; }
 
     /// In the order of the menu.
-    [[nodiscard]] QList<QDockWidget*> all() const { return {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, accuracyDock_, historyDock_, issuesDock_}; }
+    [[nodiscard]] QList<QDockWidget*> all() const { return {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, liveDock_, accuracyDock_, historyDock_, issuesDock_}; }
     /// Brings the dock of a panel to the front.
     static void raise(QWidget& panel);
 
@@ -73,7 +76,8 @@ private:
     EffectsPanel* effects_;
     AccuracyPanel* accuracy_;
     TakesPanel* takes_;
-    QDockWidget *outlinerDock_, *historyDock_, *issuesDock_, *inspectorDock_, *effectsDock_, *accuracyDock_, *takesDock_;
+    LivePanel* live_;
+    QDockWidget *outlinerDock_, *historyDock_, *issuesDock_, *inspectorDock_, *effectsDock_, *accuracyDock_, *takesDock_, *liveDock_;
 };
 
 }  // namespace imomushi

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Performing by what other programs send: they are sockets of this test, on loopback.
+#include <QComboBox>
+#include <QLabel>
+#include <QPushButton>
+#include <QToolButton>
+
+#include "tests/studio/window.h"
+#include "tests/support/osc_bytes.h"
+#include "tests/support/udp_sender.h"
+#include "ui/models/mapping_texts.h"
+#include "ui/models/recent_files.h"
+#include "ui/panels/live/live_panel.h"
+#include "ui/tools/picking.h"
+#include "ui/widgets/number_field.h"
+#include "ui/widgets/switch.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// The caterpillar with the panel of live inputs, and a sender to a port of its own.
+struct LiveWindow : Window {
+    std::unique_ptr<UdpSender> sender;
+
+    LiveWindow() : Window({1500, 940}) {
+        open(samples()[0].path);
+        trigger("live-inputs");
+        waitFor([&] { return panel().isVisible(); });
+    }
+    LivePanel& panel() { return window().live(); }
+    InputDeck& inputs() { return window().inputs(); }
+    MappingModel& model() { return *panel().model(); }
+    template <class Widget>
+    Widget& part(const char* name) {
+        auto* found = panel().findChild<Widget*>(QLatin1String(name));
+        REQUIRE_MESSAGE(found, name);
+        return *found;
+    }
+    QString guide() { return part<QLabel>("guide").text(); }
+    using Window::click;
+    void click(const char* button) {
+        auto& b = part<QAbstractButton>(button);
+        REQUIRE(b.isVisible());
+        REQUIRE(b.isEnabled());
+        QTest::mouseClick(&b, Qt::LeftButton);
+        settle();
+    }
+    void plug() {
+        inputs().setPort(0, 0);  // any that is free
+        if (!inputs().sources()[0].on) click("source-osc");
+        REQUIRE(inputs().sources()[0].on);
+        sender = std::make_unique<UdpSender>(std::uint16_t(inputs().sources()[0].port));
+    }
+    void say(const std::string& address, float number) { sender->send(oscBytes(address, {number})); }
+    Vec3 place(const EndpointRef& end) { return *endpointPosition(document().session(), end); }
+    EndpointRef lastEnd() { return {now().bones.rbegin()->first, true}; }
+    std::string lastEndName() { return now().bones.rbegin()->second->name + "/end"; }
+    std::size_t rows() { return now().mappings ? now().mappings->size() : 0; }
+    int position() { return document().session().position(); }
+};
+
+}  // namespace
+
+TEST_CASE("live: plug, learn, play: a control that is moved gets a row, its meter moves, and the end of the bone follows; undo takes the row out") {
+    LiveWindow w;
+    CHECK(!w.inputs().listens());
+    CHECK(!w.window().actions()["let-go"]->isEnabled());
+    CHECK(w.guide().startsWith(QStringLiteral("Plug")));
+    w.plug();
+    CHECK(w.guide().contains(QStringLiteral("nothing has come")));
+    w.say("/fader", 0.0F);
+    waitFor([&] { return w.guide().startsWith(QStringLiteral("Learn")); });
+    // What is selected in the view is what is learned for.
+    w.document().select({{SelectionItem::Kind::Endpoint, w.lastEnd().bone, {}, true}});
+    REQUIRE(w.panel().learnBar()->target() == "bone/" + w.lastEndName() + "/y");
+    const int before = w.position();
+    w.click("learn");
+    CHECK(w.inputs().learning());
+    CHECK(w.part<QLabel>("learning").text().startsWith(QStringLiteral("Move the control")));
+    w.shoot("live-learning");
+    for (int i = 0; i <= 20; ++i) {
+        w.say("/fader", 0.05F * float(i));
+        QTest::qWait(10);
+    }
+    waitFor([&] { return w.inputs().candidate().has_value() || w.rows() == 1; });
+    waitFor([&] { return w.rows() == 1; });
+    CHECK(!w.inputs().learning());
+    CHECK(w.position() >= before + 1);
+    const InputMapping made = w.now().mappings->front();
+    CHECK(made.row.source == "osc");
+    CHECK(made.row.channel == "/fader");
+    CHECK(made.row.curve.inLow == 0.0);
+    CHECK(made.row.curve.inHigh == 1.0);
+    CHECK(made.target == "bone/" + w.lastEndName() + "/y");
+    CHECK(w.panel().view()->chosen() == 0);
+
+    const double rest = w.place(w.lastEnd()).y();
+    w.say("/fader", 1.0F);
+    waitFor([&] { return w.model().level(0).raw == 1.0 && w.model().level(0).drives; });
+    CHECK(w.guide().startsWith(QStringLiteral("Play")));
+    const double reach = made.row.curve.outHigh;
+    CHECK(reach > 0.01);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.5 * reach; });
+    CHECK(w.document().session().steps().back().name == "live");
+    CHECK(w.model().level(0).text == targetValueText(targetText(w.now(), made.target), reach));
+    w.shoot("live-playing");
+
+    // Undo takes back what inputs hold, which then move nothing until they go on, and next the row.
+    const int held = w.position();
+    w.trigger("undo");
+    CHECK(w.position() == held - 1);
+    w.say("/fader", 0.8F);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::Undone; });
+    CHECK(w.rows() == 1);
+    w.trigger("undo");
+    CHECK(w.rows() == 0);
+    CHECK(w.model().rowCount() == 0);
+    w.trigger("redo");
+    CHECK(w.rows() == 1);
+    w.click("goOn");
+    w.say("/fader", 0.9F);
+    waitFor([&] { return w.model().level(0).drives; });
+    w.click("source-osc");
+    CHECK(!w.inputs().listens());
+    waitFor([&] { return !w.document().session().moving(); });
+}
+
+TEST_CASE("live: panic lets everything glide to rest, and inputs move nothing until they go on") {
+    LiveWindow w;
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.2}}});
+    w.plug();
+    const double rest = w.place(w.lastEnd()).y();
+    w.say("/fader", 1.0F);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.15; });
+    QTest::keyClick(&w.view(), Qt::Key_Escape, Qt::ShiftModifier);
+    CHECK(w.inputs().waits() == InputDeck::Waits::LetGo);
+    CHECK(w.guide().startsWith(QStringLiteral("Everything was let go")));
+    for (int i = 0; i < 5; ++i) w.say("/fader", 0.9F);
+    waitFor([&] { return w.place(w.lastEnd()).y() < rest + 0.02; });
+    waitFor([&] { return w.inputs().sources()[0].heard.counts.packets == 6; });
+    CHECK(!w.model().level(0).drives);
+    w.shoot("live-let-go");
+    w.click("goOn");
+    w.say("/fader", 1.0F);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.15; });
+}
+
+TEST_CASE("live: a port that is taken, broken packets and silence are said in plain words") {
+    LiveWindow w;
+    const auto taken = UdpPort::listen(0);
+    REQUIRE(taken);
+    w.inputs().setPort(0, taken->port());
+    w.click("source-osc");
+    CHECK(!w.inputs().sources()[0].on);
+    CHECK(w.part<QLabel>("state-osc").text().contains(QStringLiteral("another program")));
+    CHECK(!w.part<Switch>("source-osc").isChecked());
+    w.shoot("live-port-taken");
+    w.plug();
+    CHECK(w.part<QLabel>("state-osc").text().contains(QString::number(w.inputs().sources()[0].port)));
+    w.sender->send("nothing that is OSC");
+    w.say("/fader", 0.5F);
+    waitFor([&] { return w.part<QLabel>("state-osc").text().contains(QStringLiteral("Broken packets, left out: 1")); });
+    CHECK(w.part<QLabel>("state-osc").text().contains(QStringLiteral("from 1 sender")));
+    // The port is open to this machine alone, until the artist opens it.
+    CHECK(!w.inputs().sources()[0].network);
+    w.click("network-osc");
+    CHECK(w.inputs().sources()[0].on);
+    CHECK(w.inputs().sources()[0].network);
+    w.click("network-osc");
+    CHECK(!w.inputs().sources()[0].network);
+}
+
+TEST_CASE("live: rows are edited, muted, moved and removed by commands; two rows of one target say which one wins") {
+    LiveWindow w;
+    const std::string target = "bone/" + w.lastEndName() + "/y";
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/one"}, {"target", target}, {"out", {0, 0.1}}});
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/two"}, {"target", target}, {"out", {0, 0.2}}});
+    CHECK(w.model().rowCount() == 2);
+    CHECK(w.model().conflict(0).contains(QStringLiteral("/two")));
+    w.panel().view()->choose(1);
+    w.settle();
+    w.shoot("live-rows");
+    auto& high = w.part<NumberField>("outHigh");
+    CHECK(high.value() == doctest::Approx(0.2));
+    const int before = w.position();
+    QTest::mouseClick(&high, Qt::LeftButton);
+    QTest::keyClick(&high, Qt::Key_A, Qt::ControlModifier);
+    QTest::keyClicks(&high, QStringLiteral("0.3"));
+    QTest::keyClick(&high, Qt::Key_Return);
+    CHECK((*w.now().mappings)[1].row.curve.outHigh == doctest::Approx(0.3));
+    CHECK(w.position() == before + 1);
+    w.click("invert");
+    CHECK((*w.now().mappings)[1].row.curve.outLow == doctest::Approx(0.3));
+    CHECK((*w.now().mappings)[1].row.curve.outHigh == 0.0);
+    w.click("invert");
+    // The second one wins where the first one was not heard.
+    w.plug();
+    w.say("/two", 1.0F);
+    waitFor([&] { return w.model().level(1).drives; });
+    CHECK(w.model().conflict(0).contains(QStringLiteral("“/two”, wins now")));
+    CHECK(w.model().conflict(1).contains(QStringLiteral("This row wins now")));
+    w.say("/one", 1.0F);
+    waitFor([&] { return w.model().level(0).drives && !w.model().level(1).drives; });
+    w.click("mappingUp");
+    CHECK(w.now().mappings->front().row.channel == "/two");
+    CHECK(w.panel().view()->chosen() == 0);
+    w.model().toggle(w.model().index(0, MappingModel::Mute));
+    CHECK(w.now().mappings->front().row.muted);
+    w.trigger("undo");
+    CHECK(!w.now().mappings->front().row.muted);
+    w.click("mappingRemove");
+    CHECK(w.rows() == 1);
+    CHECK(w.panel().view()->chosen() == 0);
+    w.trigger("undo");
+    CHECK(w.rows() == 2);
+}
+
+TEST_CASE("live: what the mouse holds is not driven until it lets go") {
+    LiveWindow w;
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.3}}});
+    w.plug();
+    const double rest = w.place(w.lastEnd()).y();
+    w.trigger("tool-pose");
+    w.say("/fader", 0.0F);
+    waitFor([&] { return w.model().level(0).drives; });
+    w.cameraStands();
+    const QPoint from = w.onScreen(w.place(w.lastEnd()));
+    QTest::mouseMove(&w.view(), from);
+    w.settle();
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
+    for (int i = 1; i <= 6; ++i) {
+        QTest::mouseMove(&w.view(), from + QPoint(0, -6) * i);
+        w.settle();
+    }
+    const double up = w.place(w.lastEnd()).y();
+    CHECK(up > rest + 0.02);
+    w.say("/fader", 0.0F);
+    CHECK(stays([&] { return w.place(w.lastEnd()).y() > up - 0.01; }));
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(0, -36));
+    w.say("/fader", 0.0F);
+    waitFor([&] { return w.place(w.lastEnd()).y() < rest + 0.01; });
+}
+
+TEST_CASE("live: the panel is whole in both languages, at twice the size too") {
+    LiveWindow w;
+    w.plug();
+    w.say("/fader", 0.5F);
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.1}}});
+    w.run({{"do", "map-input"}, {"source", "vmc"}, {"channel", "bone/LeftUpperArm"}, {"component", 7}, {"target", "bone/" + w.lastEndName() + "/y"}, {"in", {-1, 1}}});
+    w.panel().view()->choose(0);
+    w.settle();
+    CHECK(cutOff(w.panel()) == "");
+    CHECK(pale(w.panel()) == "");
+    w.shoot("live-en");
+    Appearance::instance().setLanguage(QStringLiteral("ja"));
+    w.settle();
+    CHECK(cutOff(w.panel()) == "");
+    w.shoot("live-ja");
+    Appearance::instance().setTheme(Appearance::Theme::Light);
+    w.settle();
+    CHECK(pale(w.panel()) == "");
+    w.shoot("live-ja-light");
+    Appearance::instance().setScale(1.5);
+    w.settle();
+    CHECK(cutOff(w.panel()) == "");
+    w.shoot("live-large");
+}

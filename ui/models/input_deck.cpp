@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/input_deck.h"
+
+#include <QSettings>
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/document/document_change.h"
+#include "core/live/input_feed.h"
+#include "ui/models/commands.h"
+#include "ui/models/mapping_texts.h"
+#include "ui/models/texts.h"
+
+namespace imomushi {
+namespace {
+
+// Where senders of both usually send to.
+constexpr int kOscPort = 9000, kVmcPort = 39539;
+constexpr int kLargestPort = 65535;
+constexpr int kRateMs = 1000;
+constexpr const char* kSources = "live/sources";
+
+}  // namespace
+
+InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) : QObject(parent), document_(document), deck_(deck) {
+    load();
+    timer_.setInterval(kTellMs);
+    connect(&timer_, &QTimer::timeout, this, &InputDeck::tell);
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (!listens()) return;
+        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings;
+        if (driven) followSoon();
+        // Another project is not performed by what was learned for the last one.
+        if (change.unknown) stopLearning();
+    });
+    connect(&document, &StudioDocument::frameStepped, this, &InputDeck::takeHold);
+    connect(&deck, &TakeDeck::changed, this, [this] {
+        if (std::exchange(takeShown_, deck_.shown()) != deck_.shown() && listens()) follow();
+    });
+}
+
+InputDeck::~InputDeck() {
+    if (feed_) document_.performInputs(nullptr);
+}
+
+void InputDeck::load() {
+    QSettings settings;
+    const int count = settings.beginReadArray(QLatin1String(kSources));
+    for (int i = 0; i < count && sources_.size() < kMostSources; ++i) {
+        settings.setArrayIndex(i);
+        Source source;
+        source.name = settings.value(QStringLiteral("name")).toString().toStdString();
+        const auto protocol = protocolNamed(settings.value(QStringLiteral("protocol")).toString().toStdString());
+        source.port = settings.value(QStringLiteral("port")).toInt();
+        source.network = settings.value(QStringLiteral("network")).toBool();
+        const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; });
+        if (!protocol || source.name.empty() || !InputName::fits(source.name) || known || source.port < 0 || source.port > kLargestPort) continue;
+        source.protocol = *protocol;
+        sources_.push_back(std::move(source));
+    }
+    settings.endArray();
+    if (sources_.empty())
+        for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort)}) {
+            Source source;
+            source.name = protocolName(protocol);
+            source.protocol = protocol;
+            source.port = port;
+            sources_.push_back(std::move(source));
+        }
+    packets_.resize(sources_.size());
+}
+
+void InputDeck::keep() const {
+    QSettings settings;
+    settings.beginWriteArray(QLatin1String(kSources), int(sources_.size()));
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        settings.setArrayIndex(int(i));
+        settings.setValue(QStringLiteral("name"), QString::fromStdString(sources_[i].name));
+        settings.setValue(QStringLiteral("protocol"), QString::fromStdString(std::string(protocolName(sources_[i].protocol))));
+        settings.setValue(QStringLiteral("port"), sources_[i].port);
+        settings.setValue(QStringLiteral("network"), sources_[i].network);
+    }
+    settings.endArray();
+}
+
+void InputDeck::open(Source& source) {
+    source.heard = {};
+    source.perSecond = 0.0;
+    const auto opened = thread_.open({source.name, source.protocol}, std::uint16_t(source.port), source.network ? UdpPort::From::Anywhere : UdpPort::From::Loopback);
+    source.on = opened.has_value();
+    source.trouble = opened ? QString() : errorText(opened.error());
+    if (opened) source.port = *opened;
+}
+
+void InputDeck::close(Source& source) {
+    thread_.close(source.name);
+    source.on = false;
+    source.perSecond = 0.0;
+}
+
+void InputDeck::setOn(std::size_t index, bool on) {
+    Source& source = sources_.at(index);
+    if (on == source.on) return;
+    source.trouble.clear();
+    packets_[index] = 0;
+    on ? open(source) : close(source);
+    // Who plugs in wants to see it move.
+    if (on && source.on) {
+        waits_ = Waits::No;
+        holdsAnyway_ = true;
+    }
+    if (!listens()) stopLearning();
+    follow();
+    Q_EMIT changed();
+}
+
+void InputDeck::setPort(std::size_t index, int port) {
+    Source& source = sources_.at(index);
+    port = std::clamp(port, 0, kLargestPort);
+    if (port == source.port && source.trouble.isEmpty()) return;
+    const bool on = source.on || !source.trouble.isEmpty();
+    if (source.on) close(source);
+    source.port = port;
+    source.trouble.clear();
+    keep();
+    if (on) return setOn(index, true);
+    Q_EMIT changed();
+}
+
+void InputDeck::setNetwork(std::size_t index, bool network) {
+    Source& source = sources_.at(index);
+    if (network == source.network) return;
+    const bool on = source.on;
+    if (on) close(source);
+    source.network = network;
+    keep();
+    if (on) return setOn(index, true);
+    Q_EMIT changed();
+}
+
+void InputDeck::add(InputProtocol protocol) {
+    if (sources_.size() >= kMostSources) return;
+    Source source;
+    source.protocol = protocol;
+    const auto taken = [&](const auto& is) { return std::any_of(sources_.begin(), sources_.end(), is); };
+    source.name = protocolName(protocol);
+    for (int i = 2; taken([&](const Source& s) { return s.name == source.name; }); ++i) source.name = std::string(protocolName(protocol)) + std::to_string(i);
+    source.port = protocol == InputProtocol::Vmc ? kVmcPort : kOscPort;
+    while (taken([&](const Source& s) { return s.port == source.port; })) ++source.port;
+    sources_.push_back(std::move(source));
+    packets_.push_back(0);
+    keep();
+    Q_EMIT changed();
+}
+
+void InputDeck::remove(std::size_t index) {
+    setOn(index, false);
+    sources_.erase(sources_.begin() + std::ptrdiff_t(index));
+    packets_.erase(packets_.begin() + std::ptrdiff_t(index));
+    keep();
+    Q_EMIT changed();
+}
+
+void InputDeck::switchAllOff() {
+    for (std::size_t i = 0; i < sources_.size(); ++i) setOn(i, false);
+}
+
+// ---- performing ----------------------------------------------------------------------------------------------------------
+
+InputDeck::Waits InputDeck::waits() const { return waits_ != Waits::No ? waits_ : takeShown_ ? Waits::Take : feed_ ? Waits::No : Waits::NoCharacter; }
+
+void InputDeck::followSoon() {
+    if (std::exchange(scheduled_, true)) return;
+    QMetaObject::invokeMethod(this, &InputDeck::follow, Qt::QueuedConnection);
+}
+
+void InputDeck::follow() {
+    scheduled_ = false;
+    const bool had = feed_ != nullptr;
+    // What was performed becomes the document's, which the new feed begins from.
+    if (had) document_.performInputs(nullptr);
+    feed_.reset();
+    meters_.clear();
+    std::vector<std::string> names;
+    if (listens() && !deck_.shown() && document_.session().character()) {
+        std::vector<std::string> osc;
+        for (const Source& source : sources_)
+            if (source.on && source.protocol == InputProtocol::Osc) osc.push_back(source.name);
+        feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc));
+        names = nameMessages(document_.document());
+        document_.performInputs(feed_);
+    }
+    thread_.feed(feed_, std::move(names));
+    thread_.hold(waits_ != Waits::No);
+    if (listens() != timer_.isActive()) listens() ? timer_.start() : timer_.stop();
+    if (had != (feed_ != nullptr)) Q_EMIT changed();
+}
+
+void InputDeck::takeHold() {
+    if (!feed_ || waits_ != Waits::No || !document_.session().inputsWait() || document_.inGesture()) return;
+    const Session& session = document_.session();
+    // Whoever takes back what inputs hold does not want it held again at once.
+    if (!holdsAnyway_ && session.position() < int(session.steps().size())) return wait(Waits::Undone);
+    holdsAnyway_ = false;
+    if (!document_.holdInputs()) wait(Waits::Refused);
+}
+
+void InputDeck::wait(Waits why) {
+    waits_ = why;
+    thread_.hold(why != Waits::No);
+    Q_EMIT changed();
+}
+
+void InputDeck::letGo() {
+    stopLearning();
+    if (!listens()) return;
+    wait(Waits::LetGo);  // first: nothing more is given
+    if (feed_) feed_->letGo();
+}
+
+void InputDeck::goOn() {
+    holdsAnyway_ = true;
+    wait(Waits::No);
+}
+
+void InputDeck::tell() {
+    if (feed_ && feed_->takeMeters()) meters_ = feed_->meters();
+    const bool rate = !rated_.isValid() || rated_.elapsed() >= kRateMs;
+    const double seconds = rated_.isValid() ? 1e-3 * double(rated_.elapsed()) : 1.0;
+    if (rate) rated_.start();
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const auto heard = thread_.heard(sources_[i].name);
+        if (!heard) continue;
+        sources_[i].heard = *heard;
+        if (!rate) continue;
+        sources_[i].perSecond = double(heard->counts.packets - std::min(packets_[i], heard->counts.packets)) / seconds;
+        packets_[i] = heard->counts.packets;
+    }
+    if (learning()) {
+        candidate_ = thread_.learned();
+        if (candidate_ && candidate_->settled) takeCandidate();
+    }
+    Q_EMIT told();
+}
+
+// ---- learning ------------------------------------------------------------------------------------------------------------
+
+void InputDeck::learn(const std::string& target) {
+    target_ = target;
+    candidate_.reset();
+    thread_.learn(learning());
+    Q_EMIT changed();
+}
+
+void InputDeck::stopLearning() {
+    if (learning()) learn({});
+}
+
+void InputDeck::takeCandidate() {
+    const auto found = candidate_;
+    const std::string target = target_;
+    stopLearning();
+    if (!found) return;
+    const auto there = mappedTarget(document_.document(), target);
+    if (!there) return Q_EMIT document_.failed(errorText(there.error()));
+    InputMapping made;
+    made.target = target;
+    made.row.source = found->source;
+    made.row.channel = found->channel;
+    made.row.component = found->component;
+    ResponseCurve& curve = made.row.curve;
+    curve.inLow = found->low;
+    curve.inHigh = found->high;
+    std::tie(curve.outLow, curve.outHigh) = usualReach(document_.document(), *there, found->low < 0.0 && found->high > 0.0);
+    const auto answer = document_.execute(commands::mapInput(made));
+    if (!answer) return;
+    if (waits_ != Waits::No) goOn();
+    holdsAnyway_ = true;
+    Q_EMIT learned(answer->at("position").get<int>());
+}
+
+}  // namespace imomushi

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QTimer>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/document/input_mapping.h"
+#include "core/live/hearing_thread.h"
+#include "ui/models/studio_document.h"
+#include "ui/models/take_deck.h"
+
+namespace imomushi {
+
+/// Performs the character by what other programs send: who is listened to, the way of values into the performance, and learning which control drives what. Ports are open only while a source
+/// is switched on, for programs of this machine alone unless the artist opens one to the network.
+class InputDeck : public QObject {
+    Q_OBJECT
+public:
+    /// Meters and counts are told so often: 25 times a second.
+    static constexpr int kTellMs = 40;
+    static constexpr std::size_t kMostSources = 16;
+
+    /// Somebody who may send. Who they are is kept for the next time; none is switched on then.
+    struct Source {
+        std::string name;          ///< as mappings call it
+        InputProtocol protocol = InputProtocol::Osc;
+        int port = 0;
+        bool network = false;      ///< other machines may send, too
+        bool on = false;
+        QString trouble;           ///< why it could not be switched on; empty: it could
+        HearingThread::Heard heard;
+        double perSecond = 0.0;    ///< packets, over the last second
+    };
+    /// Why inputs move nothing, though somebody is listened to.
+    enum class Waits { No, LetGo, Undone, Refused, Take, NoCharacter };
+
+    InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent = nullptr);
+    ~InputDeck() override;
+
+    [[nodiscard]] const std::vector<Source>& sources() const { return sources_; }
+    [[nodiscard]] bool listens() const { return thread_.hears(); }
+    /// Opens or closes its port.
+    void setOn(std::size_t source, bool on);
+    // A source that is on is opened anew.
+    void setPort(std::size_t source, int port);
+    void setNetwork(std::size_t source, bool network);
+    /// One more, under a name of its own.
+    void add(InputProtocol protocol);
+    void remove(std::size_t source);
+    void switchAllOff();
+
+    [[nodiscard]] Waits waits() const;
+    /// Everything that inputs move glides to rest, and they move nothing more until goOn(). For panic.
+    void letGo();
+    void goOn();
+
+    /// Of each row of the document's table; empty: inputs do not perform.
+    [[nodiscard]] const std::vector<InputMeter>& meters() const { return meters_; }
+
+    /// Looks for the control that moves, for a row that drives `target`; the row is made when that is clear.
+    void learn(const std::string& target);
+    void stopLearning();
+    [[nodiscard]] bool learning() const { return !target_.empty(); }
+    [[nodiscard]] const std::string& learnedTarget() const { return target_; }
+    /// What has moved farthest so far.
+    [[nodiscard]] const std::optional<ControlLearner::Found>& candidate() const { return candidate_; }
+    /// Makes the row of the candidate at once.
+    void takeCandidate();
+
+Q_SIGNALS:
+    void changed();   ///< sources, whether inputs move something, or whether somebody learns
+    void told();      ///< meters, counts of sources or the candidate; only while somebody is listened to
+    void learned(int row);  ///< of the document's table
+
+private:
+    void load();
+    void keep() const;
+    void open(Source& source);
+    void close(Source& source);
+    /// Gives the performance a feed for the document as it is, or takes it away where nothing is to be performed.
+    void follow();
+    void followSoon();
+    void takeHold();
+    void tell();
+    void wait(Waits why);
+
+    StudioDocument& document_;
+    TakeDeck& deck_;
+    std::vector<Source> sources_;
+    std::vector<std::uint64_t> packets_;  // of each source when rates were taken last
+    HearingThread thread_;
+    std::shared_ptr<InputFeed> feed_;
+    std::vector<InputMeter> meters_;
+    Waits waits_ = Waits::No;       // LetGo, Undone, Refused or No
+    bool holdsAnyway_ = false;      // the artist went on after undoing
+    bool takeShown_ = false, scheduled_ = false;
+    std::string target_;
+    std::optional<ControlLearner::Found> candidate_;
+    QTimer timer_;
+    QElapsedTimer rated_;
+};
+
+}  // namespace imomushi

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/models/mapping_texts.h"
+
+#include <QCoreApplication>
+#include <QLocale>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/document/names.h"
+#include "core/mesh/render_model.h"
+
+namespace imomushi {
+namespace {
+
+struct MappingTexts {
+    Q_DECLARE_TR_FUNCTIONS(MappingTexts)
+};
+
+using TargetKind = MappedTarget::Kind;
+
+/// Of the size of the character, for places; radians for turns.
+constexpr double kReachOfSize = 0.15, kReachTurn = std::numbers::pi / 4.0;
+
+QString placeAxis(int axis) { return axis == 0 ? MappingTexts::tr("sideways (X)") : axis == 1 ? MappingTexts::tr("up (Y)") : MappingTexts::tr("forward (Z)"); }
+QString turnAxis(int axis) { return MappingTexts::tr("turn %1", "about an axis").arg(QChar(u'X' + axis)); }
+
+bool turns(TargetKind kind) { return kind == TargetKind::HandleTurn || kind == TargetKind::BoneTurn || kind == TargetKind::EndRoll; }
+bool places(TargetKind kind) { return kind == TargetKind::HandlePlace || kind == TargetKind::EndPlace; }
+
+double sizeOf(const Document& document) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const auto& [id, element] : document.elements) {
+        const auto& vertices = element->mesh->body.vertices;
+        if (vertices.rows() == 0) continue;
+        low = low.cwiseMin(vertices.colwise().minCoeff().transpose());
+        high = high.cwiseMax(vertices.colwise().maxCoeff().transpose());
+    }
+    return low.x() <= high.x() ? (high - low).norm() : 1.0;
+}
+
+/// Two digits that say something: 0.15, 12, 130.
+double rounded(double value) {
+    const double unit = std::pow(10.0, std::floor(std::log10(std::max(value, 1e-9))) - 1.0);
+    return unit * std::round(value / unit);
+}
+
+}  // namespace
+
+QString TargetText::text() const { return number.isEmpty() ? thing : MappingTexts::tr("%1, %2", "a handle, a number of it").arg(thing, number); }
+
+TargetText targetText(const Document& document, const std::string& target) {
+    TargetText said;
+    const auto found = mappedTarget(document, target);
+    if (!found) {
+        said.thing = QString::fromStdString(target);
+        return said;
+    }
+    said.there = true;
+    switch (found->kind) {
+        case TargetKind::HandlePlace:
+        case TargetKind::HandleTurn: said.thing = QString::fromStdString(found->handle.face); break;
+        case TargetKind::EndPlace:
+        case TargetKind::EndRoll:
+            said.thing = found->end.atEnd ? MappingTexts::tr("end of %1", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name))
+                                          : MappingTexts::tr("start of %1", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name));
+            break;
+        case TargetKind::BoneTurn: said.thing = QString::fromStdString(document.bones.at(found->end.bone)->name); break;
+        case TargetKind::Morph: said.thing = QString::fromStdString(document.characters.at(found->morph.character)->model->morphs[std::size_t(found->morph.target)].name); break;
+    }
+    if (places(found->kind)) {
+        said.number = placeAxis(found->axis);
+        said.unit = QStringLiteral("m");
+    } else if (turns(found->kind)) {
+        said.number = found->kind == TargetKind::EndRoll ? MappingTexts::tr("roll") : turnAxis(found->axis);
+        said.unit = QStringLiteral("°");
+        said.factor = 180.0 / std::numbers::pi;
+    } else {
+        said.number = MappingTexts::tr("weight");
+    }
+    return said;
+}
+
+QString targetValueText(const TargetText& target, double value) {
+    const double shown = value * target.factor;
+    const int decimals = target.unit == u"°" ? 0 : std::abs(shown) < 10.0 ? 2 : 1;
+    const QString number = QLocale().toString(shown, 'f', decimals);
+    return target.unit.isEmpty() ? number : target.unit == u"°" ? number + target.unit : QStringLiteral("%1 %2").arg(number, target.unit);
+}
+
+QString channelText(const InputMapping& mapping) {
+    const QString channel = QString::fromStdString(mapping.row.channel);
+    const int component = mapping.row.component;
+    for (const QLatin1String kind : {QLatin1String("bone/"), QLatin1String("tracker/"), QLatin1String("controller/"), QLatin1String("hmd/")})
+        if (channel.startsWith(kind) && (component < 3 || component >= 7))
+            return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < 3 ? placeAxis(component) : turnAxis(component - 7));
+    if (channel.startsWith(QLatin1String("blend/"))) return channel.mid(6);
+    return component == 0 ? channel : MappingTexts::tr("%1, number %2", "a control").arg(channel).arg(component + 1);
+}
+
+QString protocolText(InputProtocol protocol) {
+    switch (protocol) {
+        case InputProtocol::Osc: return QStringLiteral("OSC");
+        case InputProtocol::Vmc: return QStringLiteral("VMC");
+        case InputProtocol::Midi: return QStringLiteral("MIDI");
+        case InputProtocol::Pad: return MappingTexts::tr("Game controller");
+    }
+    return {};
+}
+
+std::vector<DrivenThing> drivenThings(const Document& document) {
+    std::vector<DrivenThing> things;
+    const char* const axes = "xyz";
+    const auto addAxes = [&](DrivenThing& thing, const std::string& of, const QString& what) {
+        for (int k = 0; k < 3; ++k) thing.numbers.emplace_back(what.isEmpty() ? placeAxis(k) : MappingTexts::tr("%1, %2", "an end of a bone, a direction").arg(what, placeAxis(k)), of + axes[k]);
+    };
+    const auto addTurns = [&](DrivenThing& thing, const std::string& of) {
+        for (int k = 0; k < 3; ++k) thing.numbers.emplace_back(turnAxis(k), of + "turn-" + axes[k]);
+    };
+    for (const auto& [id, element] : document.elements)
+        for (const Handle& handle : element->handles) {
+            DrivenThing thing{QString::fromStdString(handle.face), QStringLiteral("handle"), {}};
+            const std::string of = "handle/" + handle.face + "/";
+            addAxes(thing, of, {});
+            addTurns(thing, of);
+            things.push_back(std::move(thing));
+        }
+    for (const auto& [id, bone] : document.bones) {
+        DrivenThing thing{QString::fromStdString(bone->name), QStringLiteral("bone"), {}};
+        const std::string of = "bone/" + bone->name + "/";
+        addAxes(thing, of + "end/", MappingTexts::tr("end"));
+        addTurns(thing, of);
+        thing.numbers.emplace_back(MappingTexts::tr("roll"), of + "end/roll");
+        addAxes(thing, of + "start/", MappingTexts::tr("start"));
+        things.push_back(std::move(thing));
+    }
+    for (const auto& [id, character] : document.characters) {
+        if (character->model->morphs.empty()) continue;
+        DrivenThing thing{MappingTexts::tr("Shapes of %1", "morph targets of a character").arg(QString::fromStdString(character->name)), QStringLiteral("character"), {}};
+        for (const auto& morph : character->model->morphs) thing.numbers.emplace_back(QString::fromStdString(morph.name), "morph/" + character->name + "/" + morph.name);
+        things.push_back(std::move(thing));
+    }
+    return things;
+}
+
+std::string targetOf(const Document& document, const SelectionItem& item) {
+    std::string target;
+    if (item.kind == SelectionItem::Kind::Face) target = "handle/" + item.face + "/y";
+    if (const auto bone = document.bones.find(item.part); bone != document.bones.end()) {
+        if (item.kind == SelectionItem::Kind::Endpoint) target = "bone/" + bone->second->name + (item.atEnd ? "/end/y" : "/start/y");
+        if (item.kind == SelectionItem::Kind::Bone) target = "bone/" + bone->second->name + "/turn-x";
+    }
+    return target.empty() || !mappedTarget(document, target) ? std::string() : target;
+}
+
+std::pair<double, double> usualReach(const Document& document, const MappedTarget& target, bool twoSided) {
+    const double reach = places(target.kind) ? rounded(kReachOfSize * sizeOf(document)) : turns(target.kind) ? kReachTurn : 1.0;
+    return {twoSided && target.kind != TargetKind::Morph ? -reach : 0.0, reach};
+}
+
+}  // namespace imomushi

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/live/live_panel.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QPushButton>
+#include <QSignalBlocker>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include "ui/models/commands.h"
+#include "ui/widgets/action_set.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
+
+namespace imomushi {
+namespace {
+
+constexpr int kSourcesWidth = 252, kFormWidth = 276;
+
+QFrame* wall(QWidget* parent) {
+    auto* line = named(new QFrame(parent), "wall");
+    line->setFixedWidth(1);
+    return line;
+}
+
+}  // namespace
+
+LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, TakeDeck& deck, ActionSet& actions, QWidget* parent)
+    : QWidget(parent), document_(document), inputs_(inputs), deck_(deck), actions_(actions) {
+    usePanelBackground(this);
+    model_ = new MappingModel(document, inputs, this);
+    left_ = new QWidget(this);
+    sources_ = new SourceRows(inputs, left_);
+    letGo_ = named(new QPushButton(left_), "letGo");
+    letGo_->setIcon(themedIcon(QStringLiteral("let-go")));
+    letGo_->setFocusPolicy(Qt::TabFocus);
+    connect(letGo_, &QPushButton::clicked, actions["let-go"], &QAction::trigger);
+    fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{8}, Share{sources_, 1}, letGo_);
+
+    auto* middle = new QWidget(this);
+    guide_ = named(new QLabel(middle), "guide");
+    guide_->setWordWrap(true);
+    goOn_ = named(new QPushButton(middle), "goOn");
+    goOn_->setProperty("small", true);
+    goOn_->setProperty("primary", true);
+    connect(goOn_, &QPushButton::clicked, &inputs, &InputDeck::goOn);
+    learn_ = new LearnBar(document, inputs, middle);
+    view_ = named(new MappingView(*model_, middle), "mappings");
+    const auto button = [&](const char* icon) {
+        auto* b = new QToolButton(middle);
+        b->setProperty("small", true);
+        if (icon) b->setIcon(themedIcon(QLatin1String(icon)));
+        b->setFocusPolicy(Qt::TabFocus);
+        buttons_.push_back(b);
+        return b;
+    };
+    up_ = named(button("up"), "mappingUp");
+    down_ = named(button("down"), "mappingDown");
+    remove_ = named(button("trash"), "mappingRemove");
+    auto *load = button(nullptr), *save = button(nullptr);
+    load->setDefaultAction(actions["load-mappings"]);
+    save->setDefaultAction(actions["save-mappings"]);
+    connect(up_, &QToolButton::clicked, this, [this] { moveRow(-1); });
+    connect(down_, &QToolButton::clicked, this, [this] { moveRow(1); });
+    connect(remove_, &QToolButton::clicked, this, &LivePanel::removeRow);
+    auto* top = fill(new QHBoxLayout, Spacing{2}, Share{guide_, 1}, Space{6}, goOn_, Space{6}, up_, down_, remove_, Space{6}, load, save);
+    fill(new QVBoxLayout(middle), QMargins(0, 0, 0, 0), Spacing{6}, top, learn_, Share{view_, 1});
+
+    right_ = new QWidget(this);
+    form_ = new MappingForm(document, *model_, right_);
+    fill(new QHBoxLayout(right_), QMargins(0, 0, 0, 0), Spacing{12}, wall(right_), Share{form_, 1});
+    fill(new QHBoxLayout(this), QMargins(12, 8, 12, 8), Spacing{12}, left_, wall(this), Share{middle, 1}, right_);
+
+    connect(view_, &MappingView::chosenChanged, this, &LivePanel::followRow);
+    connect(view_, &MappingView::removeWanted, this, &LivePanel::removeRow);
+    connect(view_, &MappingView::moveWanted, this, &LivePanel::moveRow);
+    connect(model_, &QAbstractItemModel::modelReset, this, [this] {
+        view_->choose(model_->rowOf(chosen_));
+        followRow();
+        follow();
+    });
+    connect(&inputs, &InputDeck::learned, view_, &MappingView::choose);
+    connect(&inputs, &InputDeck::changed, this, &LivePanel::follow);
+    connect(&inputs, &InputDeck::told, this, &LivePanel::follow);
+    connect(&document, &StudioDocument::structureChanged, this, &LivePanel::follow);
+    connect(&deck, &TakeDeck::changed, this, &LivePanel::follow);
+    connect(actions["record"], &QAction::changed, this, &LivePanel::follow);
+    connect(&Appearance::instance(), &Appearance::changed, this, &LivePanel::takeSizes);
+    takeSizes();
+    retranslate();
+}
+
+void LivePanel::takeSizes() {
+    left_->setFixedWidth(px(kSourcesWidth));
+    right_->setFixedWidth(px(kFormWidth));
+    letGo_->setIconSize(QSize(px(17), px(17)));
+    for (QToolButton* b : buttons_) b->setIconSize(QSize(px(18), px(18)));
+}
+
+QString LivePanel::guide() const {
+    const bool heard = std::any_of(inputs_.sources().begin(), inputs_.sources().end(), [](const InputDeck::Source& s) { return s.on && s.heard.counts.packets > 0; });
+    if (!inputs_.listens()) return tr("Plug: switch on a source on the left, and let a program send to its port.");
+    switch (inputs_.waits()) {
+        case InputDeck::Waits::LetGo: return tr("Everything was let go. Inputs move nothing until you continue.");
+        case InputDeck::Waits::Undone: return tr("What inputs held was undone. They move nothing until you continue.");
+        case InputDeck::Waits::Refused: return tr("Inputs could not take hold of the character. They move nothing until you continue.");
+        case InputDeck::Waits::Take: return tr("A take is shown. Leave it, and inputs move the character.");
+        case InputDeck::Waits::NoCharacter: return tr("There is no character to perform yet. Open a sample, or make a mesh soft.");
+        case InputDeck::Waits::No: break;
+    }
+    if (!heard) return tr("Plug: nothing has come yet. The sender’s address and port are on the left.");
+    if (model_->rowCount() == 0) return tr("Learn: choose what is to move, press Learn, and move a control.");
+    const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
+    if (deck_.recording()) return tr("Record: all that you see is kept.");
+    return keys.isEmpty() ? tr("Play. Recording keeps what you perform as a take.") : tr("Play. %1 records what you perform as a take.", "a key").arg(keys);
+}
+
+void LivePanel::follow() {
+    const QString text = guide();
+    if (guide_->text() != text) guide_->setText(text);
+    const auto waits = inputs_.waits();
+    goOn_->setVisible(inputs_.listens() && (waits == InputDeck::Waits::LetGo || waits == InputDeck::Waits::Undone || waits == InputDeck::Waits::Refused));
+    letGo_->setEnabled(actions_["let-go"]->isEnabled());
+}
+
+void LivePanel::followRow() {
+    const int row = view_->chosen();
+    if (const InputMapping* m = model_->mapping(row)) chosen_ = *m;
+    form_->show(row);
+    right_->setVisible(model_->rowCount() > 0);
+    up_->setEnabled(row > 0);
+    down_->setEnabled(row >= 0 && row + 1 < model_->rowCount());
+    remove_->setEnabled(row >= 0);
+}
+
+void LivePanel::removeRow() {
+    const int row = view_->chosen();
+    const InputMapping* m = model_->mapping(row);
+    if (!m) return;
+    // The next one is chosen.
+    if (const InputMapping* next = model_->mapping(row + 1) ? model_->mapping(row + 1) : model_->mapping(row - 1)) chosen_ = *next;
+    document_.execute(commands::unmapInput(InputMapping(*m)));
+}
+
+void LivePanel::moveRow(int by) {
+    const int row = view_->chosen(), to = row + by;
+    const InputMapping* m = model_->mapping(row);
+    if (!m || !model_->mapping(to)) return;
+    document_.execute(commands::mapInput(InputMapping(*m), std::size_t(to)));
+}
+
+void LivePanel::retranslate() {
+    left_->setAccessibleName(tr("Sources"));
+    view_->setAccessibleName(tr("Mappings"));
+    up_->setToolTip(tr("Move this row up. Of rows that drive the same, the upper one wins."));
+    down_->setToolTip(tr("Move this row down"));
+    remove_->setToolTip(tr("Remove this row"));
+    for (QToolButton* b : {up_, down_, remove_}) b->setAccessibleName(b->toolTip());
+    goOn_->setText(tr("Continue"));
+    const QString keys = actions_["let-go"]->shortcut().toString(QKeySequence::NativeText);
+    letGo_->setText(keys.isEmpty() ? tr("Let everything go") : QStringLiteral("%1  (%2)").arg(tr("Let everything go"), keys));
+    letGo_->setToolTip(tr("Everything that inputs move glides to rest, and they move nothing more until you continue."));
+    model_->refresh();
+    followRow();
+    follow();
+}
+
+void LivePanel::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) retranslate();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/panels/live/source_rows.h"
+
+#include <QEvent>
+#include <QHBoxLayout>
+#include <QIntValidator>
+#include <QLabel>
+#include <QLineEdit>
+#include <QLocale>
+#include <QMenu>
+#include <QPushButton>
+#include <QStyle>
+#include <QToolButton>
+#include <QVBoxLayout>
+#include <algorithm>
+
+#include "ui/models/mapping_texts.h"
+#include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
+#include "ui/widgets/switch.h"
+
+namespace imomushi {
+namespace {
+
+using Source = InputDeck::Source;
+
+QString countText(std::uint64_t count) { return QLocale().toString(qulonglong(count)); }
+
+/// What comes from a source, in plain words; empty: it is off.
+QString stateText(const Source& source) {
+    if (!source.trouble.isEmpty()) return source.trouble;
+    if (!source.on) return {};
+    const auto& heard = source.heard;
+    if (heard.counts.packets == 0 && heard.refused == 0)
+        return source.network ? SourceRows::tr("Listening. Any machine may send to port %1.").arg(source.port) : SourceRows::tr("Listening. Programs on this machine may send to 127.0.0.1, port %1.").arg(source.port);
+    QStringList parts;
+    if (heard.senders == 0) parts << SourceRows::tr("Silent: no sender is heard now.");
+    else parts << SourceRows::tr("%1 packets/s from %n sender(s).", nullptr, heard.senders).arg(QLocale().toString(source.perSecond, 'f', 0));
+    if (heard.counts.malformed > 0) parts << SourceRows::tr("Broken packets, left out: %1.").arg(countText(heard.counts.malformed));
+    if (heard.lost > 0) parts << SourceRows::tr("Packets that came too fast: %1.").arg(countText(heard.lost));
+    if (heard.refused > 0) parts << SourceRows::tr("Too many senders; packets of the others, left out: %1.").arg(countText(heard.refused));
+    return parts.join(u' ');
+}
+
+bool troubled(const Source& source) { return !source.trouble.isEmpty() || source.heard.counts.malformed > 0 || source.heard.lost > 0 || source.heard.refused > 0; }
+
+}  // namespace
+
+SourceRows::SourceRows(InputDeck& inputs, QWidget* parent) : QWidget(parent), inputs_(inputs) {
+    list_ = new QVBoxLayout;
+    list_->setSpacing(px(6));
+    add_ = named(new QPushButton(this), "addSource");
+    add_->setProperty("flat", true);
+    connect(add_, &QPushButton::clicked, this, [this] {
+        QMenu menu(this);
+        for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc}) connect(menu.addAction(protocolText(protocol)), &QAction::triggered, this, [this, protocol] { inputs_.add(protocol); });
+        menu.exec(add_->mapToGlobal(QPoint(0, add_->height())));
+    });
+    fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), Spacing{px(6)}, list_, Share{add_, 0, Qt::AlignLeft}, Stretch{});
+    connect(&inputs, &InputDeck::changed, this, &SourceRows::follow);
+    connect(&inputs, &InputDeck::told, this, &SourceRows::tell);
+    connect(&Appearance::instance(), &Appearance::changed, this, &SourceRows::rebuild);
+    rebuild();
+}
+
+void SourceRows::rebuild() {
+    for (const Row& row : rows_) row.all->deleteLater();
+    rows_.clear();
+    names_.clear();
+    for (std::size_t i = 0; i < inputs_.sources().size(); ++i) addRow(i);
+    add_->setText(tr("Add a source"));
+    follow();
+}
+
+void SourceRows::addRow(std::size_t i) {
+    const Source& source = inputs_.sources()[i];
+    const QString name = QString::fromStdString(source.name), protocol = protocolText(source.protocol);
+    Row row;
+    row.all = new QWidget(this);
+    row.on = named(new Switch(row.all), ("source-" + source.name).c_str());
+    row.on->setAccessibleName(tr("Listen to %1", "a source").arg(name));
+    connect(row.on, &Switch::clicked, this, [this, i] { inputs_.setOn(i, !inputs_.sources()[i].on); });
+    auto* title = styled(new QLabel(protocol, row.all), "section");
+    auto* called = styled(new QLabel(name.compare(protocol, Qt::CaseInsensitive) == 0 ? QString() : name, row.all), "muted");
+    auto* portName = styled(new QLabel(tr("Port"), row.all), "muted");
+    row.port = named(new QLineEdit(row.all), ("port-" + source.name).c_str());
+    row.port->setValidator(new QIntValidator(0, 65535, row.port));
+    row.port->setAccessibleName(tr("Port of %1", "a source").arg(name));
+    row.port->setFixedWidth(px(66));
+    portName->setBuddy(row.port);
+    connect(row.port, &QLineEdit::editingFinished, this, [this, i, port = row.port] {
+        if (const QString typed = port->text(); !typed.isEmpty()) inputs_.setPort(i, typed.toInt());
+        port->setText(QString::number(inputs_.sources()[i].port));
+    });
+    row.network = named(new QToolButton(row.all), ("network-" + source.name).c_str());
+    row.network->setCheckable(true);
+    row.network->setProperty("small", true);
+    row.network->setIcon(themedIcon(QStringLiteral("network")));
+    row.network->setIconSize(QSize(px(18), px(18)));
+    row.network->setAccessibleName(tr("Other machines may send, too"));
+    connect(row.network, &QToolButton::clicked, this, [this, i](bool checked) { inputs_.setNetwork(i, checked); });
+    auto* top = fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, called, Stretch{}, portName, row.port, row.network);
+    if (source.name != protocolName(source.protocol)) {  // one that was added
+        auto* remove = new QToolButton(row.all);
+        remove->setProperty("small", true);
+        remove->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
+        remove->setIconSize(QSize(px(16), px(16)));
+        remove->setToolTip(tr("Remove this source"));
+        remove->setAccessibleName(tr("Remove %1", "a source").arg(name));
+        connect(remove, &QToolButton::clicked, this, [this, i] { QMetaObject::invokeMethod(this, [this, i] { inputs_.remove(i); }, Qt::QueuedConnection); });
+        top->addWidget(remove);
+    }
+    row.state = named(new QLabel(row.all), ("state-" + source.name).c_str());
+    row.state->setWordWrap(true);
+    row.state->setContentsMargins(row.on->sizeHint().width() + px(8), 0, 0, 0);
+    fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, top, row.state);
+    list_->addWidget(row.all);
+    rows_.push_back(row);
+    names_.push_back(source.name);
+}
+
+void SourceRows::follow() {
+    const auto& sources = inputs_.sources();
+    if (sources.size() != rows_.size() || !std::equal(sources.begin(), sources.end(), names_.begin(), [](const Source& s, const std::string& name) { return s.name == name; })) return rebuild();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        rows_[i].on->setChecked(sources[i].on);
+        if (!rows_[i].port->hasFocus()) rows_[i].port->setText(QString::number(sources[i].port));
+        rows_[i].network->setChecked(sources[i].network);
+        rows_[i].network->setToolTip(sources[i].network ? tr("Every machine that reaches this one may send. Click: programs on this machine alone.") : tr("Programs on this machine alone may send. Click: open the port to the network."));
+    }
+    tell();
+}
+
+void SourceRows::tell() {
+    const auto& sources = inputs_.sources();
+    for (std::size_t i = 0; i < rows_.size() && i < sources.size(); ++i) {
+        QLabel* state = rows_[i].state;
+        const QString text = stateText(sources[i]);
+        const char* role = troubled(sources[i]) ? "warning" : "muted";
+        if (state->property("role").toString() != QLatin1String(role)) {
+            styled(state, role);
+            state->style()->polish(state);
+        }
+        if (state->text() != text) state->setText(text);
+        state->setVisible(!text.isEmpty());
+    }
+}
+
+void SourceRows::changeEvent(QEvent* event) {
+    QWidget::changeEvent(event);
+    if (event->type() == QEvent::LanguageChange) rebuild();
+}
+
+}  // namespace imomushi
