@@ -6409,15 +6409,15 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <name>imomushi::MappingModel</name>
         <message>
             <source>%1 drives it, too. This row wins now.</source>
-            <translation>%1 も動かします。今はこの行が勝っています。</translation>
+            <translation>%1も動かします。今はこの行が勝っています。</translation>
         </message>
         <message>
             <source>%1 wins now.</source>
-            <translation>今は%1 が勝っています。</translation>
+            <translation>今は%1が勝っています。</translation>
         </message>
         <message>
             <source>%1 drives it, too. The upper row wins.</source>
-            <translation>%1 も動かします。上の行が勝ちます。</translation>
+            <translation>%1も動かします。上の行が勝ちます。</translation>
         </message>
         <message>
             <source>%1 of “%2”, number %3</source>

@@ -72,6 +72,7 @@ NumberField* MappingForm::addNumber(int row, int column, const QString& label, c
     field->setAccessibleName(label);
     field->setToolTip(help);
     field->setMinimumWidth(px(58));
+    field->setSizePolicy(QSizePolicy::Ignored, field->sizePolicy().verticalPolicy());  // both columns are alike
     grid_->addWidget(field, row, column);
     connect(field, &NumberField::editStarted, this, [this] { gesture_ = std::make_unique<Gesture>(document_); });
     connect(field, &NumberField::valueEdited, this, [this, set = std::move(set)](double value) { execute([&](InputMapping& m) { set(m, value); }); });
@@ -144,7 +145,8 @@ void MappingForm::rebuild() {
     silence_->addItems({tr("Holds"), tr("Glides to rest"), tr("Next row")});
     silence_->setAccessibleName(tr("In silence"));
     silence_->setToolTip(tr("What happens when nothing is heard for longer than the time beside."));
-    silence_->setMinimumContentsLength(6);
+    silence_->setMinimumWidth(px(58));
+    silence_->setSizePolicy(QSizePolicy::Ignored, silence_->sizePolicy().verticalPolicy());
     connect(silence_, &QComboBox::activated, this, [this](int i) { execute([i](InputMapping& m) { m.row.silence = InputRow::Silence(i); }); });
     refreshers_.push_back([this](const InputMapping& m) { silence_->setCurrentIndex(int(m.row.silence)); });
     grid_->addWidget(silence_, 4, 1);
