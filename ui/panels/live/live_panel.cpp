@@ -17,7 +17,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kSourcesWidth = 252, kFormWidth = 276;
+constexpr int kSourcesWidth = 240, kFormWidth = 312;
 
 QFrame* wall(QWidget* parent) {
     auto* line = named(new QFrame(parent), "wall");
