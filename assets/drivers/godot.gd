@@ -243,8 +243,6 @@ func _measure(element: Dictionary, frame: Transform3D, joints: Array) -> Array[f
 		if loads.has("softness"):
 			var pull: Vector3 = loads["softness"] * (frame.basis.transposed() * _vector(data["gravity"]))
 			all.append_array([pull.x, pull.y, pull.z])
-		elif loads.has("stretch"):
-			all.append_array([0.0, 0.0, 0.0])
 		if loads.has("pressure"):
 			all.append(loads["pressure"])
 		var wanted := 0.0

@@ -234,7 +234,7 @@ export class ImomushiDriver {
         }
         const loads = element.loads;
         if (loads) {
-            const all = loads.softness !== undefined ? times(loads.softness, times3(toElement, this.data.gravity)) : loads.stretch ? [0, 0, 0] : [];
+            const all = loads.softness === undefined ? [] : times(loads.softness, times3(toElement, this.data.gravity));
             if (loads.pressure !== undefined) all.push(loads.pressure);
             const wanted = all.reduce((sum, x, i) => sum + Math.abs(x) * loads.sizes[i], 0);
             const part = wanted > 0 ? (loads.most * Math.tanh(wanted / loads.most)) / wanted : 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/character/character_state.h"
@@ -77,13 +78,16 @@ Result<void> Character::State::build(const ElementRuntimes& known, const RenderM
     return {};
 }
 
-Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::size_t e, const ElementRuntimes& known) const {
+Result<std::shared_ptr<const ElementRuntime>> Character::State::runtimeOf(std::size_t e, const ElementRuntimes& known) {
     const auto& given = frame.input.elements[e];
     ElementRuntime::Input input{given.mesh, given.faces, given.response, {}, frame.input.format, {}, given.nu, given.embedded};
     for (const int j : frame.elements[e].jointOf) input.covered.push_back(frame.input.joints[static_cast<std::size_t>(j)].faces.size() >= 2);
-    input.tables.freeEnd = freeEndOf(frame.input, e).has_value();
     for (const auto& effect : frame.input.effects)
         if (effect->on(e)) effect->ask(input.tables);
+    if (std::exchange(input.tables.freeEnd, false)) {
+        frame.elements[e].freeEnd = freeEndOf(frame.input, e);
+        if (frame.elements[e].freeEnd) askForLoads(input.tables, {0, 1, 2});
+    }
     if (!given.response || given.response->loads.size() == 0) input.tables.loads.clear();
     if (auto found = known.find(input)) return found;
     return ElementRuntime::build(std::move(input), known);

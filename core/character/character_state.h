@@ -34,7 +34,7 @@ struct Character::State {
 
     // Once (character_build.cpp).
     Result<void> build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes);
-    Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known) const;
+    Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known);
     void buildJoint(std::size_t j, double contraction);
     void buildHandles();
     void buildElement(std::size_t e);

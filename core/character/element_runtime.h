@@ -27,7 +27,7 @@ namespace imomushi {
 /// Which tables of an element effects ask for (EffectSettings::ask()).
 struct ElementTables {
     std::vector<int> loads;  ///< columns of ElementResponse::loads that follow v, ascending
-    bool freeEnd = false;    ///< told, not asked for: freeEndOf()
+    bool freeEnd = false;    ///< ElementState::freeEnd, with the loads that move it
     int patches = 0;         ///< of touch, that its response has
     bool warp = false;       ///< ElementRuntime::warp
     bool fades = false;      ///< ElementRuntime::watch; frames without the warp are a product

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "core/base/thread_pool.h"
 #include "core/character/aligned_buffer.h"
 #include "core/character/character.h"
 #include "core/character/element_runtime.h"
+#include "core/character/free_end.h"
 #include "core/character/pose_watch.h"
 #include "core/character/rigid_fit.h"
 #include "core/character/vertex_kernels.h"
@@ -88,6 +90,7 @@ struct ElementState {
     Vec3 restAnchor = Vec3::Zero();  // m
     std::vector<int> jointOf;        // per face
     std::vector<int> handles;        // of its faces
+    std::optional<FreeEnd> freeEnd;  // that stretches its flesh; nullopt: none, or no effect asked for it
     std::shared_ptr<RigidFit> fit;   // of these, what the element moves with where it has no bones; null: none
     std::vector<HeldVertex> held;
     Eigen::MatrixXd heldShapes;      // with smooth joints: #shapes x #held, warping shapes of the joint, m

@@ -83,12 +83,6 @@ void BodyLoadsJob::add(const InflateEffect& inflate) {
     for (std::size_t e = 0; e < elements_.size(); ++e) elements_[e].inflated = elements_[e].pressure && inflate.on(e);
 }
 
-void BodyLoadsJob::add(const EndStretchEffect& stretch, const Frame& frame) {
-    stretch_ = stretch;
-    for (std::size_t e = 0; e < elements_.size(); ++e)
-        if (stretch.on(e)) elements_[e].stretch = EndStretch::of(frame, e);
-}
-
 void BodyLoadsJob::run(Stage, Frame& frame) {
     if (frame.shifted) return;  // what the ground carried before is what is shifted
     if (inflate_ && inflate_->breath > 0.0)
@@ -123,7 +117,7 @@ void BodyLoadsJob::load(Frame& frame, std::size_t e) {
     out.jointForces.setZero();
     if (wanted > 0.0) all.tail(count) *= most * std::tanh(wanted / most) / wanted;
     if (wanted > most) frame.warn(FrameWarning::LoadsBounded);
-    if (own.stretch) all.segment<kForceColumns>(first) += own.stretch->load(frame.pose, out.frame.linear.transpose());
+    if (out.freeEnd) all.segment<kForceColumns>(first) += stretchingLoad(*out.freeEnd, frame.pose, out.frame.linear.transpose());
     if (!frame.smooth) return;
     const auto& forces = given.response->loadForces;
     if (own.forces) out.jointForces.noalias() += forces.leftCols<kForceColumns>() * all.segment<kForceColumns>(first);

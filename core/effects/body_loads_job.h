@@ -82,10 +82,7 @@ public:
     explicit BodyLoadsJob(const Frame& frame);
     void add(const GravityEffect& gravity);
     void add(const InflateEffect& inflate);
-    void add(const EndStretchEffect& stretch, const Frame& frame);
-
-    /// Nullptr: nothing stretches it so.
-    [[nodiscard]] const EndStretch* endStretch(std::size_t element) const { return elements_[element].stretch ? &*elements_[element].stretch : nullptr; }
+    void add(const EndStretchEffect& stretch) { stretch_ = stretch; }
 
     void run(Stage stage, Frame& frame) override;
     void tune(const EffectSettings& settings) override;
@@ -96,7 +93,6 @@ private:
     struct Element {
         bool forces = false, pressure = false;  // it has these columns,
         bool gravity = false, inflated = false; // and an effect asked for them
-        std::optional<EndStretch> stretch;
         double modulus = 0.0;               // Pa, for a sag of the whole height
         SmoothedAcceleration acceleration;  // of its middle
     };

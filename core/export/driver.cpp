@@ -43,15 +43,14 @@ Json loadsOf(const GltfContent& content, std::size_t e) {
         out["sizes"].push_back(largest);
         forces.col(static_cast<Eigen::Index>(i)) = element.stiffness * element.response->loadForces.col(columns[i]);
     }
-    if (const auto* gravity = effects.find<GravityEffect>(); columns.front() == 0 && gravity && gravity->on(e)) {
-        const double modulus = gravity->shearModulus > 0.0 ? gravity->shearModulus : modulusForSag(content.scene.character, gravity->sag)[e];
+    if (columns.front() == 0) {
+        const auto* gravity = effects.find<GravityEffect>();
+        const double modulus = !gravity || !gravity->on(e) ? 0.0 : gravity->shearModulus > 0.0 ? gravity->shearModulus : modulusForSag(content.scene.character, gravity->sag)[e];
         out["softness"] = modulus > 0.0 ? element.density / (modulus * element.stiffness) : 0.0;
+        const auto* stretch = effects.find<EndStretchEffect>();
+        if (const auto at = stretch && stretch->on(e) ? freeEndOf(content.scene.character, e) : std::nullopt)
+            out["stretch"] = {{"near", at->near}, {"end", at->end}, {"length", at->length}, {"longer", stretch->kMostLonger}, {"shorter", stretch->kMostShorter}, {"perMetre", numbers(at->perMetre)}};
     }
-    if (const BodyLoadsJob* job = content.motion.character.job<BodyLoadsJob>())
-        if (const EndStretch* stretch = job->endStretch(e)) {
-            const auto& is = stretch->constants();
-            out["stretch"] = {{"near", is.at.near}, {"end", is.at.end}, {"length", is.length}, {"longer", EndStretch::kMostLonger}, {"shorter", EndStretch::kMostShorter}, {"perMetre", numbers(is.perMetre)}};
-        }
     if (columns.back() == 3) out["pressure"] = effects.find<InflateEffect>()->pressure / element.stiffness;
     if (effects.has<SmoothJointsEffect>()) out["forces"] = rowByRow(forces);
     return out;
@@ -78,7 +77,7 @@ Json driverData(const GltfContent& content) {
         out["smooth"] = {{"entries", std::move(entries)}, {"parameters", smooth->parameters}, {"leastStiffness", JointEquilibrium::kMinStiffness},
                          {"stretch", {JointEquilibrium::kMinStretch, JointEquilibrium::kMaxStretch}}, {"fold", JointEquilibrium::kMaxFold}, {"slope", JointEquilibrium::kMaxSlope}};
     }
-    if (const auto* gravity = input.effects.find<GravityEffect>()) out["gravity"] = numbers(gravity->acceleration);
+    if (const auto* gravity = input.effects.find<GravityEffect>(); gravity || input.effects.has<EndStretchEffect>()) out["gravity"] = numbers(gravity ? gravity->acceleration : Vec3(Vec3::Zero()));
     for (std::size_t e = 0; e < input.elements.size(); ++e) {
         const auto& element = input.elements[e];
         Json item{{"name", content.scene.elements[e]}, {"frame", content.scene.elements[e] + " frame"}, {"middle", numbers(content.morphs[e].middle)}, {"bones", element.bones}};

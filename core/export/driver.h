@@ -23,7 +23,7 @@ namespace imomushi {
 /// Body loads (gravity, inflate, end-stretch), where there are any, as they are in a body at rest; columns follow those of v:
 ///   gravity   of free fall, m/s^2
 ///   elements  loads: {column, sizes, most, softness, pressure, forces}: numbers from `column` on are softness * gravity in the axes of the element (with
-///             softness; else, with stretch, zeros), then pressure (with pressure); all of them times most tanh(w / most) / w, w = sum of their absolute values times sizes
+///             softness), then pressure (with pressure); all of them times most tanh(w / most) / w, w = sum of their absolute values times sizes
 ///             stretch: {near, end, length, longer, shorter, perMetre}: the first three are more by r tanh(d / r) * perMetre (3 x 3, by columns) times the direction from the point near to
 ///             the point end in the axes of the element, d = their distance minus length, r = length times longer, where d is negative shorter
 /// Smooth joints, where they are on (JointEquilibrium, whose constants these are): S and warping of all joints minimise the sum over elements of

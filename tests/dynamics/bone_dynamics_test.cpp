@@ -39,65 +39,53 @@ Swinging measure(const std::vector<double>& signal, double dt) {
     return {1.0 / period / std::sqrt(1.0 - ratio * ratio), ratio};
 }
 
+/// How a bone that keeps its length swings free from an angle to its kinematic direction, held at its start.
+Swinging swingFrom(double angle, double hertz, double damping, double airDamping) {
+    const Skeleton s = boneChain(1);
+    BoneSpring spring;
+    spring.bendHertz = hertz;
+    spring.bendDamping = damping;
+    spring.stretchHertz = 1000.0;
+    spring.stretchDamping = 1.0;
+    auto input = inputOf(s, spring);
+    input.settings.airDamping = airDamping;
+    auto dynamics = BoneDynamics::build(input).value();
+    Pose bent = restPose(s);
+    bent.points[1] = Vec3(std::cos(angle), std::sin(angle), 0);
+    const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
+    dynamics.step(kFrame, restPose(s), goals);
+    dynamics.reset(bent);
+    std::vector<double> signal;
+    const double dt = 0.02 / hertz;
+    // From `bent` the kinematic pose jumps to rest within the first frame.
+    for (int i = 0; i < 250; ++i) {
+        dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
+        signal.push_back(std::atan2(dynamics.pose().points[1].y(), dynamics.pose().points[1].x()));
+    }
+    return measure(signal, dt);
+}
+
 }  // namespace
 
 TEST_CASE("bone dynamics: a swinging bone has the frequency and damping that were asked for, at small and large angles") {
-    const Skeleton s = boneChain(1);
     for (const double hertz : {0.3, 2.0, 8.0})
         for (const double damping : {0.02, 0.1, 0.3})
             for (const double angle : {0.05, 1.5}) {
                 CAPTURE(hertz);
                 CAPTURE(damping);
                 CAPTURE(angle);
-                BoneSpring spring;
-                spring.bendHertz = hertz;
-                spring.bendDamping = damping;
-                spring.stretchHertz = 1000.0;  // it keeps its length
-                spring.stretchDamping = 1.0;
-                auto dynamics = make(s, spring);
-                Pose bent = restPose(s);
-                bent.points[1] = Vec3(std::cos(angle), std::sin(angle), 0);
-                const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
-                dynamics.step(kFrame, restPose(s), goals);
-                dynamics.reset(bent);
-                std::vector<double> signal;
-                const double dt = 0.02 / hertz;
-                // From `bent` the kinematic pose jumps to rest within the first frame.
-                for (int i = 0; i < 250; ++i) {
-                    dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
-                    signal.push_back(std::atan2(dynamics.pose().points[1].y(), dynamics.pose().points[1].x()));
-                }
-                const auto seen = measure(signal, dt);
+                const auto seen = swingFrom(angle, hertz, damping, 0.0);
                 CHECK(seen.hertz == doctest::Approx(hertz).epsilon(0.02));
                 CHECK(seen.damping == doctest::Approx(damping).epsilon(0.02));
             }
 }
 
 TEST_CASE("bone dynamics: air damps a slow sway more than a fast swing, by rate / (2 omega), and nothing that is not held") {
-    const Skeleton s = boneChain(1);
     for (const double hertz : {0.3, 3.0}) {
         CAPTURE(hertz);
-        BoneSpring spring;
-        spring.bendHertz = hertz;
-        spring.bendDamping = 0.0;
-        spring.stretchHertz = 1000.0;  // it keeps its length
-        spring.stretchDamping = 1.0;
-        auto input = inputOf(s, spring);
-        input.settings.airDamping = 0.5;
-        auto dynamics = BoneDynamics::build(input).value();
-        Pose bent = restPose(s);
-        bent.points[1] = Vec3(std::cos(0.3), std::sin(0.3), 0);
-        const std::vector<IkGoal> goals = {{0, Vec3::Zero()}};
-        dynamics.step(kFrame, restPose(s), goals);
-        dynamics.reset(bent);
-        std::vector<double> signal;
-        const double dt = 0.02 / hertz;
-        for (int i = 0; i < 250; ++i) {
-            dynamics.step(i == 0 ? 1e-4 : dt, restPose(s), goals);
-            signal.push_back(std::atan2(dynamics.pose().points[1].y(), dynamics.pose().points[1].x()));
-        }
-        CHECK(measure(signal, dt).damping == doctest::Approx(0.5 / (2.0 * 2.0 * M_PI * hertz)).epsilon(0.05));
+        CHECK(swingFrom(0.3, hertz, 0.0, 0.5).damping == doctest::Approx(0.5 / (2.0 * 2.0 * M_PI * hertz)).epsilon(0.05));
     }
+    const Skeleton s = boneChain(1);
     auto input = inputOf(s);
     input.settings.gravity = Vec3(0, -9.81, 0);
     input.settings.returnHertz = 0.0;
