@@ -2,8 +2,6 @@
 #include "core/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
 #include <cassert>
 #include <numeric>
 
@@ -13,7 +11,6 @@ namespace imomushi {
 namespace {
 
 constexpr std::int32_t kLeaf = 4;   ///< triangles that are tested without a box of their own
-constexpr std::size_t kDeepest = 64;  ///< halving 2^31 triangles cannot go deeper
 
 Vec3 barycentric(const ClosestOnTriangle& closest) {
     if (!closest.inside) return closest.weights;

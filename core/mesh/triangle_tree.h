@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -28,8 +30,26 @@ public:
     [[nodiscard]] Hit nearestFacing(const Vec3& point, const Vec3& direction) const { return search<true>(point, direction); }
     /// All triangles with a point at most `distance` away, ascending, and perhaps some that are a little farther.
     [[nodiscard]] std::vector<std::int32_t> within(const Vec3& point, double distance) const;
+    /// Whether `found(triangle)` says yes to a triangle of those in boxes that `reaches(low, high)`.
+    template <class Reaches, class Found>
+    [[nodiscard]] bool any(const Reaches& reaches, const Found& found) const {
+        std::array<std::int32_t, kDeepest> open{};
+        for (std::size_t count = 1; count > 0;) {
+            const std::int32_t n = open[--count];
+            const Node& node = nodes_[static_cast<std::size_t>(n)];
+            if (!reaches(node.low, node.high)) continue;
+            if (node.right >= 0) {
+                open[count++] = node.right;
+                open[count++] = n + 1;
+            } else if (std::any_of(order_.begin() + node.begin, order_.begin() + node.end, found)) {
+                return true;
+            }
+        }
+        return false;
+    }
 
 private:
+    static constexpr std::size_t kDeepest = 64;  ///< halving 2^31 triangles cannot go deeper
     struct Node {
         Vec3 low, high;
         std::int32_t begin = 0, end = 0;  ///< into order_, of a leaf

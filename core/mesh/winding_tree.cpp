@@ -16,7 +16,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::int32_t kTriangles = 2;  ///< of a leaf
-constexpr double kFar = 1.6;            ///< radii of a node, from which on it counts as one area vector
+constexpr double kFar = 1.6;            ///< radii of a node around its middle, from which on it counts as one area vector
 constexpr std::size_t kDeepest = 64;    ///< halving 2^31 triangles cannot go deeper
 
 }  // namespace
@@ -44,7 +44,7 @@ std::int32_t WindingTree::grow(std::int32_t begin, std::int32_t end) {
     }
     node.middle = area > 0.0 ? Vec3(node.middle / area) : low;
     for (std::int32_t f = begin; f < end; ++f)
-        for (int k = 0; k < 3; ++k) node.radius = std::max(node.radius, (mesh_.vertices.row(mesh_.triangles(f, k)).transpose() - node.middle).norm());
+        for (int k = 0; k < 3; ++k) node.far = std::max(node.far, kFar * kFar * (mesh_.vertices.row(mesh_.triangles(f, k)).transpose() - node.middle).squaredNorm());
     nodes_.push_back(node);
     if (end - begin <= kTriangles) return self;
     Eigen::Index axis = 0;
@@ -75,9 +75,9 @@ double WindingTree::at(const Vec3& point) const {
         const std::int32_t n = open[--count];
         const Node& node = nodes_[static_cast<std::size_t>(n)];
         const Vec3 to = node.middle - point;
-        const double distance = to.norm();
-        if (distance > kFar * node.radius) {
-            sum += node.area.dot(to) / (4.0 * std::numbers::pi * distance * distance * distance);
+        const double squared = to.squaredNorm();
+        if (squared > node.far) {
+            sum += node.area.dot(to) / (4.0 * std::numbers::pi * squared * std::sqrt(squared));
         } else if (node.right >= 0) {
             open[count++] = node.right;
             open[count++] = n + 1;

@@ -19,7 +19,7 @@ public:
 private:
     struct Node {
         Vec3 middle = Vec3::Zero(), area = Vec3::Zero();  ///< of its triangles, by their areas; the sum of their area vectors
-        double radius = 0.0;                              ///< around the middle, of all corners
+        double far = 0.0;                                 ///< squared distance to the middle from which on it counts as one area vector
         std::int32_t begin = 0, end = 0;                  ///< its triangles
         std::int32_t right = -1;                          ///< of an inner node; its left child is the next node. -1: leaf
     };

@@ -3,6 +3,7 @@
 
 #include <CGAL/alpha_wrap_3.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,39 +18,94 @@ namespace {
 
 using Kernel = cgal::Kernel;
 using Point = Kernel::Point_3;
-using Soup = CGAL::Alpha_wraps_3::internal::Triangle_soup_oracle<Kernel>;
+using Triangle = Kernel::Triangle_3;
 
-/// CGAL's triangles, their distances from a tree of doubles: they need not be exact, and CGAL's take most of the time of a wrap.
-class Oracle : public Soup {
+Vec3 vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
+
+/// The convex hull of four points, for a test in doubles whether something is clearly beside it.
+class Reach {
 public:
-    Oracle(double alpha, const TriangleMesh& mesh) : Soup(alpha, Kernel()), mesh_(mesh), near_(mesh) {
-        std::vector<Point> points;
-        std::vector<std::array<std::size_t, 3>> faces;
-        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) points.emplace_back(mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2));
-        for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
-            std::array<std::size_t, 3> face{};
-            for (int k = 0; k < 3; ++k) face[static_cast<std::size_t>(k)] = static_cast<std::size_t>(mesh.triangles(f, k));
-            faces.push_back(face);
+    template <class Tetrahedron>
+    explicit Reach(const Tetrahedron& tetrahedron) {
+        std::array<Vec3, 4> p;
+        for (int k = 0; k < 4; ++k) p[static_cast<std::size_t>(k)] = vec(tetrahedron[k]);
+        low_ = p[0].cwiseMin(p[1]).cwiseMin(p[2]).cwiseMin(p[3]);
+        high_ = p[0].cwiseMax(p[1]).cwiseMax(p[2]).cwiseMax(p[3]);
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3 &a = p[(k + 1) % 4], &b = p[(k + 2) % 4], &c = p[(k + 3) % 4];
+            Vec3 n = (b - a).cross(c - a).normalized();
+            if (n.dot(p[k] - a) > 0.0) n = -n;
+            normals_[k] = n;
+            most_[k] = std::max({n.dot(p[0]), n.dot(p[1]), n.dot(p[2]), n.dot(p[3])}) + kMargin;  // of all corners: any direction divides rightly, that of a needle too
         }
-        add_triangle_soup(points, faces);
+    }
+    [[nodiscard]] bool box(const Vec3& low, const Vec3& high) const {
+        if ((low.array() > high_.array()).any() || (high.array() < low_.array()).any()) return false;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (normals_[k].cwiseProduct(low).cwiseMin(normals_[k].cwiseProduct(high)).sum() > most_[k]) return false;
+        return true;
+    }
+    [[nodiscard]] bool triangle(const Triangle& t) const {
+        for (std::size_t k = 0; k < 4; ++k)
+            if (std::min({normals_[k].dot(vec(t[0])), normals_[k].dot(vec(t[1])), normals_[k].dot(vec(t[2]))}) > most_[k]) return false;
+        return true;
     }
 
-    bool do_intersect(const Geom_traits::Ball_3& ball) const { return look(ball.boundary().center()).squaredDistance <= ball.boundary().squared_radius(); }
+private:
+    static constexpr double kMargin = 1e-9;  ///< of a mesh of the size of 1
+    Vec3 low_, high_;
+    std::array<Vec3, 4> normals_;
+    std::array<double, 4> most_{};
+};
+
+/// What CGAL asks of the triangles: exact answers where a topology hangs on them, distances in doubles. CGAL's own takes four times as long.
+class Oracle {
+public:
+    using Geom_traits = CGAL::Alpha_wraps_3::internal::Alpha_wrap_AABB_traits<Kernel>;
+
+    explicit Oracle(const TriangleMesh& mesh) : mesh_(mesh), near_(mesh) {
+        triangles_.reserve(static_cast<std::size_t>(mesh.triangles.rows()));
+        for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+            std::array<Point, 3> p;
+            for (int k = 0; k < 3; ++k) {
+                const auto row = mesh.vertices.row(mesh.triangles(f, k));
+                p[static_cast<std::size_t>(k)] = Point(row[0], row[1], row[2]);
+            }
+            triangles_.emplace_back(p[0], p[1], p[2]);
+            solid_.push_back(!triangles_.back().is_degenerate());
+            box_ += triangles_.back().bbox();
+        }
+    }
+
+    [[nodiscard]] Geom_traits geom_traits() const { return {}; }
+    [[nodiscard]] CGAL::Bbox_3 bbox() const { return box_; }
+    [[nodiscard]] bool do_intersect(const Geom_traits::Ball_3& ball) const { return look(ball.boundary().center()).squaredDistance <= ball.boundary().squared_radius(); }
     template <class K>
-    bool do_intersect(const CGAL::Alpha_wraps_3::internal::Tetrahedron_with_outside_info<K>& tetrahedron) const {
+    [[nodiscard]] bool do_intersect(const CGAL::Alpha_wraps_3::internal::Tetrahedron_with_outside_info<K>& tetrahedron) const {
         // Nothing is in it where the nearest triangle to the place that was asked for last, its circumcenter, is farther than all of its corners.
         double reach = 0.0;
         for (int k = 0; k < 4; ++k) reach = std::max(reach, CGAL::squared_distance(tetrahedron.m_tet[k], asked_));
-        return !(hit_.triangle >= 0 && hit_.squaredDistance > kRounding * reach) && Soup::do_intersect(tetrahedron);
+        if (hit_.triangle >= 0 && hit_.squaredDistance > kRounding * reach) return false;
+        const Reach near(tetrahedron.m_tet);
+        const auto intersects = Geom_traits().do_intersect_3_object();
+        return near_.any([&](const Vec3& low, const Vec3& high) { return near.box(low, high); },
+                         [&](std::int32_t f) {
+                             const Triangle& triangle = triangles_[static_cast<std::size_t>(f)];
+                             return solid_[static_cast<std::size_t>(f)] && near.triangle(triangle) && intersects(tetrahedron, triangle);
+                         });
     }
-    Point closest_point(const Point& to) const {
-        const TriangleTree::Hit& hit = look(to);
-        if (hit.triangle < 0) return Soup::closest_point(to);
+    [[nodiscard]] Point closest_point(const Point& to) const {
+        TriangleTree::Hit hit = look(to);
+        if (hit.triangle < 0) {  // a circumcenter at no finite distance
+            Vec3 within = vec(to);
+            for (int k = 0; k < 3; ++k) within[k] = std::clamp(std::isfinite(within[k]) ? within[k] : 0.0, box_.min(k), box_.max(k));
+            hit = near_.nearest(within);
+        }
         const Vec3 p = hit.barycentric.transpose() * mesh_.vertices(mesh_.triangles.row(hit.triangle), Eigen::all);
         return {p.x(), p.y(), p.z()};
     }
     bool first_intersection(const Point& from, const Point& to, Point& at, double offset) const {
-        const auto distance = [this](const Point& p) { return std::sqrt(near_.nearest({p.x(), p.y(), p.z()}).squaredDistance); };
+        const auto distance = [this](const Point& p) { return std::sqrt(near_.nearest(vec(p)).squaredDistance); };
         return CGAL::Alpha_wraps_3::internal::Offset_intersection<Geom_traits, decltype(distance)>(distance, offset, kPrecision * offset, 1).first_intersection(from, to, at);
     }
 
@@ -60,13 +116,16 @@ private:
     const TriangleTree::Hit& look(const Point& p) const {
         if (p != asked_ || hit_.triangle < 0) {
             asked_ = p;
-            hit_ = near_.nearest({p.x(), p.y(), p.z()});
+            hit_ = near_.nearest(vec(p));
         }
         return hit_;
     }
 
     const TriangleMesh& mesh_;
     TriangleTree near_;
+    std::vector<Triangle> triangles_;
+    std::vector<bool> solid_;  ///< of those with an area
+    CGAL::Bbox_3 box_;
     mutable Point asked_ = Point(0.0, 0.0, 0.0);
     mutable TriangleTree::Hit hit_{-1, 0.0, Vec3::Zero()};
 };
@@ -131,7 +190,7 @@ Result<TriangleMesh> wrapTriangles(const TriangleMesh& mesh, const WrapSetting& 
     const FloatingPointGuard guard;
     cgal::SurfaceMesh surface;
     try {
-        const Oracle oracle(setting.coarsest, mesh);
+        const Oracle oracle(mesh);
         GradedWrap wrap(oracle, setting);
         Watch watch;
         watch.setting = &setting, watch.progress = &progress;
