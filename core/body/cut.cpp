@@ -2,6 +2,7 @@
 #include "core/body/cut.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -20,7 +21,7 @@ constexpr double kSteps[] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2,
 constexpr double kParts[] = {0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99};
 constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works, until it is about the first step
 
-using Prepared = tl::expected<PreparedCut, CutRefusal>;
+using Prepared = Result<PreparedCut>;
 
 CutRefusal refusalOf(Error error, int cut) {
     CutRefusal refusal;
@@ -29,34 +30,36 @@ CutRefusal refusalOf(Error error, int cut) {
     return refusal;
 }
 
-Prepared prepare(const CutSurface& surface, const CutPlane& plane, int cut) {
-    auto section = findSection(surface, plane);
-    if (!section) return tl::unexpected(refusalOf(std::move(section.error()), cut));
+Prepared withTriangles(Section section) {
     std::vector<std::vector<Eigen::Vector2d>> loops;
-    for (const auto& loop : section->loops) {
+    for (const auto& loop : section.loops) {
         auto& flat = loops.emplace_back();
-        for (const SectionPoint& point : loop) flat.push_back(section->flat(point.place));
+        for (const SectionPoint& point : loop) flat.push_back(section.flat(point.place));
     }
     const Attempt meshing("the triangles of a section");
-    auto region = meshing ? meshRegion(loops, section->spacing) : std::nullopt;
+    auto region = meshing ? meshRegion(loops, section.spacing) : std::nullopt;
     if (!region || region->triangles.rows() == 0)
-        return tl::unexpected(
-            refusalOf({"section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little."}, cut));
-    return PreparedCut{std::move(*section), std::move(*region)};
+        return fail("section-touches-itself", "The section touches or crosses itself; repair the body there, or move or turn the plane a little.");
+    return PreparedCut{std::move(section), std::move(*region)};
+}
+
+Prepared prepare(const CutSurface& surface, const CutPlane& plane) {
+    IMOMUSHI_TRY(auto section, findSection(surface, plane));
+    return withTriangles(std::move(section));
 }
 
 /// Tries places of one cut among others.
 class NearestPlace {
 public:
-    NearestPlace(const CutSurface& surface, const std::vector<Prepared>& others, const CutPlane& plane, int cut, const Progress& progress)
-        : surface_(surface), plane_(plane), cut_(cut), progress_(progress) {
+    NearestPlace(const CutSurface& surface, const std::vector<const Prepared*>& others, const CutPlane& plane, int cut, const Progress& progress)
+        : surface_(surface), plane_(plane), progress_(progress) {
         // Cuts that are refused for themselves are left out, and of those that touch each other the later ones: one refusal is all that is said of many cuts, and it must not be theirs.
         for (std::size_t c = 0; c < others.size(); ++c)
-            if (static_cast<int>(c) != cut && others[c]) others_.push_back(*others[c]);
+            if (static_cast<int>(c) != cut && *others[c]) others_.push_back(**others[c]);
         while (!progress.cancelled()) {
-            const auto pieces = assemblePieces(surface, others_);
-            if (pieces || pieces.error().other < 0) break;
-            others_.erase(others_.begin() + std::max(pieces.error().cut, pieces.error().other));
+            const auto touching = findTouching(surface, others_);
+            if (!touching) break;
+            others_.erase(others_.begin() + std::max(touching->cut, touching->other));
         }
         others_.emplace_back();
     }
@@ -91,23 +94,27 @@ private:
     bool works(double offset) {
         CutPlane plane = plane_;
         plane.origin += offset * plane.normal.stableNormalized();
-        auto prepared = prepare(surface_, plane, cut_);
+        auto section = findSection(surface_, plane);
+        if (!section) return false;
+        const int self = static_cast<int>(others_.size()) - 1;
+        const auto about = [&](const CutRefusal& refusal) { return refusal.cut == self || refusal.other == self; };
+        others_.back() = {std::move(*section), {}};
+        if (const auto touching = findTouching(surface_, others_); touching && about(*touching)) return false;  // most do, and triangles take long
+        auto prepared = withTriangles(std::move(others_.back().section));
         if (!prepared) return false;
         others_.back() = std::move(*prepared);
-        const auto pieces = assemblePieces(surface_, others_);
-        const int self = static_cast<int>(others_.size()) - 1;
-        return pieces || (pieces.error().cut != self && pieces.error().other != self);
+        const auto pieces = assemblePieces(surface_, others_, self);
+        return pieces || !about(pieces.error());
     }
 
     const CutSurface& surface_;
     const CutPlane& plane_;
-    int cut_;
     const Progress& progress_;
     std::vector<PreparedCut> others_;  // the one that is tried comes last
 };
 
 /// Says in a refusal where the plane would work.
-void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<Prepared>& prepared, std::span<const CutPlane> cuts,
+void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<const Prepared*>& prepared, std::span<const CutPlane> cuts,
                 const Progress& progress) {
     if (refusal.cut < 0 || refusal.code == "bad-value") return;
     const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)];
@@ -117,36 +124,58 @@ void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vecto
     refusal.message += formatted(" It works %.3g m %s its normal.", std::abs(*offset), *offset > 0.0 ? "along" : "against");
 }
 
-tl::expected<std::vector<BodyPiece>, CutRefusal> cutHere(const TriangleMesh& body, const std::vector<CutPlane>& cuts,
-                                                         const Progress& progress) {
-    const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
-    const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
-    const MeshFacts facts = meshFacts(body);
-    if (!facts.outward)
-        return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
-    const CutSurface surface(body);
-    std::vector<Prepared> prepared;
-    for (std::size_t c = 0; c < cuts.size(); ++c) {
-        if (progress.cancelled()) return cancelled();
-        progress.report("cut", static_cast<double>(c) / static_cast<double>(cuts.size() + 1));
-        prepared.push_back(prepare(surface, cuts[c], static_cast<int>(c)));
-    }
-    for (Prepared& p : prepared) {
-        if (p) continue;
-        addNearest(p.error(), surface, prepared, cuts, progress);
-        return refuse(std::move(p.error()));
-    }
-    if (progress.cancelled()) return cancelled();
-    std::vector<PreparedCut> sound;
-    for (const Prepared& p : prepared) sound.push_back(*p);
-    auto pieces = assemblePieces(surface, sound);
-    if (!pieces) addNearest(pieces.error(), surface, prepared, cuts, progress);
-    return pieces;
+tl::expected<std::vector<BodyPiece>, CutRefusal> cutHere(const TriangleMesh& body, const std::vector<CutPlane>& cuts, const Progress& progress) {
+    return BodyCutter(body).cut(cuts, progress);
 }
 
 const Operation<tl::expected<std::vector<BodyPiece>, CutRefusal>(TriangleMesh, std::vector<CutPlane>)> kCutBody("cut-body", cutHere);
 
 }  // namespace
+
+struct BodyCutter::State {
+    using Key = std::array<double, 6>;
+    static Key keyOf(const CutPlane& p) { return {p.origin[0], p.origin[1], p.origin[2], p.normal[0], p.normal[1], p.normal[2]}; }
+
+    std::optional<CutSurface> surface;  ///< of a body that can be cut
+    std::vector<std::pair<Key, Prepared>> last;  ///< the cuts that were asked for last
+};
+
+BodyCutter::BodyCutter(const TriangleMesh& body) : state_(std::make_unique<State>()) {
+    if (meshFacts(body).outward) state_->surface.emplace(body);
+}
+
+BodyCutter::~BodyCutter() = default;
+
+tl::expected<std::vector<BodyPiece>, CutRefusal> BodyCutter::cut(std::span<const CutPlane> cuts, const Progress& progress) {
+    const auto refuse = [](CutRefusal refusal) { return tl::unexpected(std::move(refusal)); };
+    const auto cancelled = [&] { return refuse(refusalOf({kCancelled, "Cutting was cancelled."}, -1)); };
+    if (!state_->surface)
+        return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
+    const CutSurface& surface = *state_->surface;
+    std::vector<std::pair<State::Key, Prepared>> known = std::move(state_->last);
+    state_->last.clear();
+    for (std::size_t c = 0; c < cuts.size(); ++c) {
+        if (progress.cancelled()) return cancelled();
+        progress.report("cut", static_cast<double>(c) / static_cast<double>(cuts.size() + 1));
+        const State::Key key = State::keyOf(cuts[c]);
+        const auto before = std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == key; });
+        state_->last.emplace_back(key, before != known.end() ? before->second : prepare(surface, cuts[c]));
+    }
+    std::vector<const Prepared*> prepared;
+    for (const auto& [key, p] : state_->last) prepared.push_back(&p);
+    for (std::size_t c = 0; c < cuts.size(); ++c) {
+        if (*prepared[c]) continue;
+        CutRefusal refusal = refusalOf(prepared[c]->error(), static_cast<int>(c));
+        addNearest(refusal, surface, prepared, cuts, progress);
+        return refuse(std::move(refusal));
+    }
+    if (progress.cancelled()) return cancelled();
+    std::vector<PreparedCut> sound;
+    for (const Prepared* p : prepared) sound.push_back(**p);
+    auto pieces = assemblePieces(surface, sound);
+    if (!pieces) addNearest(pieces.error(), surface, prepared, cuts, progress);
+    return pieces;
+}
 
 tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& body, std::span<const CutPlane> cuts,
                                                          const Progress& progress) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <tl/expected.hpp>
@@ -61,6 +62,20 @@ struct CutRefusal : Error {
 /// A loop around a ring does not separate, two of them do: whether a cut separates is judged with all cuts done. Closed surfaces that no cut meets (cavities,
 /// parts that lie apart) stay with the piece around them, else with the one of the nearest vertex.
 tl::expected<std::vector<BodyPiece>, CutRefusal> cutBody(const TriangleMesh& body, std::span<const CutPlane> cuts, const Progress& progress = {});
+
+/// The same for one body whose cuts are tried again and again, in this process: what belongs to the body or to one cut alone is done once.
+class BodyCutter {
+public:
+    explicit BodyCutter(const TriangleMesh& body);  ///< stays where it is
+    ~BodyCutter();
+    BodyCutter(const BodyCutter&) = delete;
+    BodyCutter& operator=(const BodyCutter&) = delete;
+    tl::expected<std::vector<BodyPiece>, CutRefusal> cut(std::span<const CutPlane> cuts, const Progress& progress = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 /// Vertices of the section that are nearer to the plane than this part of the smallest height of the triangles around are moved onto it.
 inline constexpr double kSnap = 2e-2;

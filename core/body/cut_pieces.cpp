@@ -62,16 +62,24 @@ struct Polygon {
 /// Points have ids: the vertices of the body, then what each cut adds. The order of ids of two points does not depend on other cuts than their own.
 class Assembly {
 public:
-    Assembly(const CutSurface& surface, std::span<const PreparedCut> cuts) : surface_(surface), mesh_(surface.mesh), cuts_(cuts) {}
+    Assembly(const CutSurface& surface, std::span<const PreparedCut> cuts, int only) : surface_(surface), mesh_(surface.mesh), cuts_(cuts), only_(only) {}
 
     tl::expected<std::vector<BodyPiece>, CutRefusal> run() {
-        for (const auto step : {&Assembly::number, &Assembly::checkApart, &Assembly::split, &Assembly::connect})
-            if (auto refusal = (this->*step)()) return Refused(std::move(*refusal));
+        if (auto refusal = divide()) return Refused(std::move(*refusal));
+        if (auto refusal = connect()) return Refused(std::move(*refusal));
         return pieces();
     }
 
-private:
     using Refusal = std::optional<CutRefusal>;
+
+    /// What is refused here is that cuts touch.
+    Refusal divide() {
+        for (const auto step : {&Assembly::number, &Assembly::checkApart, &Assembly::split})
+            if (auto refusal = (this->*step)()) return refusal;
+        return {};
+    }
+
+private:
 
     [[nodiscard]] std::int32_t bodyVertices() const { return static_cast<std::int32_t>(mesh_.vertices.rows()); }
     [[nodiscard]] Vec3 placeOf(std::int32_t id) const {
@@ -115,7 +123,8 @@ private:
         for (const auto& sides : section.sides) {
             for (std::size_t i = 0; i < sides.size(); ++i, ++s) {
                 Chord chord{c, {ids[s]}};
-                for (const std::int32_t p : region.onSide[s]) chord.ids.push_back(ids[static_cast<std::size_t>(p)]);
+                if (!region.onSide.empty())
+                    for (const std::int32_t p : region.onSide[s]) chord.ids.push_back(ids[static_cast<std::size_t>(p)]);
                 chord.ids.push_back(ids[i + 1 < sides.size() ? s + 1 : begin]);
                 for (std::size_t k = 0; k + 1 < chord.ids.size(); ++k) cutSides_.push_back({chord.ids[k], chord.ids[k + 1], c});
                 if (sides[i].triangle >= 0) {
@@ -326,6 +335,7 @@ private:
         placeShells();
         std::vector<BodyPiece> result;
         for (const auto& [root, members] : groups()) {
+            if (only_ >= 0 && root != sets_.find(front_[static_cast<std::size_t>(only_)]) && root != sets_.find(back_[static_cast<std::size_t>(only_)])) continue;
             BodyPiece piece = build(root, members);
             const MeshFacts facts = meshFacts(piece.body);
             if (!piece.caps.empty()) {
@@ -427,6 +437,7 @@ private:
     const CutSurface& surface_;
     const TriangleMesh& mesh_;
     std::span<const PreparedCut> cuts_;
+    int only_;
     std::vector<Vec3> added_;                                // places of the points that cuts add
     std::unordered_map<std::int32_t, Vec3> moved_;           // places of moved vertices of the body
     std::vector<std::vector<std::int32_t>> capIds_;          // per cut: ids of the points of its region
@@ -442,8 +453,10 @@ private:
 
 }  // namespace
 
-tl::expected<std::vector<BodyPiece>, CutRefusal> assemblePieces(const CutSurface& surface, std::span<const PreparedCut> cuts) {
-    return Assembly(surface, cuts).run();
+tl::expected<std::vector<BodyPiece>, CutRefusal> assemblePieces(const CutSurface& surface, std::span<const PreparedCut> cuts, int only) {
+    return Assembly(surface, cuts, only).run();
 }
+
+std::optional<CutRefusal> findTouching(const CutSurface& surface, std::span<const PreparedCut> cuts) { return Assembly(surface, cuts, -1).divide(); }
 
 }  // namespace imomushi

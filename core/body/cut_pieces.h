@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <span>
 #include <tl/expected.hpp>
 #include <vector>
@@ -18,6 +19,10 @@ struct PreparedCut {
 };
 
 /// The pieces that sections make of a body, see cutBody(). Refusals: "cuts-touch", "does-not-separate", "empty-piece", "section-touches-itself".
-tl::expected<std::vector<BodyPiece>, CutRefusal> assemblePieces(const CutSurface& surface, std::span<const PreparedCut> cuts);
+/// `only`: makes and judges the pieces beside this cut alone, -1: all.
+tl::expected<std::vector<BodyPiece>, CutRefusal> assemblePieces(const CutSurface& surface, std::span<const PreparedCut> cuts, int only = -1);
+
+/// Whether two of the cuts touch: the first refusal "cuts-touch" of assemblePieces(). Sections may lack their triangles.
+std::optional<CutRefusal> findTouching(const CutSurface& surface, std::span<const PreparedCut> cuts);
 
 }  // namespace imomushi

@@ -248,7 +248,7 @@ VolumeDetail coarserVolume(const VolumeDetail& detail, bool decimated) {
     return {std::max(detail.vertices / 3, SolverMeshSetting::kFewest), kCoarserRim * detail.rim, detail.rim > 0.0 && !decimated};
 }
 
-Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress) {
+Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress, int mostVertices) {
     const int vertices = detail.vertices;
     const auto cancelled = [] { return fail(kCancelled, "The precompute was cancelled."); };
     const auto own = static_cast<int>(surface.triangles().vertices.rows());
@@ -262,6 +262,7 @@ Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& de
     if (const bool asItIs = detail.onItself && detail.rim <= 0.0; !out && !asItIs)
         if (const int fewer = withoutNeedles(surface.triangles()); fewer < own)
             if (auto clean = onDecimated(surface, fewer, progress)) out = std::move(*clean);
+    if ((out ? static_cast<int>(out->mesh.mesh.vertices.rows()) : own) > mostVertices) return fail(kNoFilling, "The body cannot be decimated that far.");
     if (!out) out = onItself(surface.mesh, surface);
     auto filling = filled(*out, detail, progress);
     if (progress.cancelled()) return cancelled();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "core/base/progress.h"
@@ -13,8 +14,8 @@
 namespace imomushi {
 
 /// The body, or one of `detail.vertices` vertices in its place, with smaller triangles at the rims of faces, filled with tetrahedra that grow from there.
-/// Errors: "cancelled", "no-filling", and the others of fillWithTetrahedra(), which say nothing about the body.
-Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress);
+/// Errors: "cancelled", "no-filling" (also where its surface would have more than `mostVertices` before edges at rims are made), and the others of fillWithTetrahedra(), which say nothing about the body.
+Result<SolvedBody> volumeBody(const BodySurface& surface, const VolumeDetail& detail, const Progress& progress, int mostVertices = std::numeric_limits<int>::max());
 
 /// How finely a setting fills a body with tetrahedra; no vertices: it is solved by boundary elements.
 VolumeDetail volumeDetail(const TriangleMesh& body, std::span<const JointFace> faces, const SolverMeshSetting& setting);

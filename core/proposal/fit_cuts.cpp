@@ -19,7 +19,7 @@ constexpr double kBeyond = 0.1;
 class Fitter {
 public:
     Fitter(const TriangleMesh& body, std::span<const WishedCut> wished, const std::optional<CutPlane>& mirror, double least, const Progress& progress)
-        : body_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), fitted_(wished.size()), moves_(wished.size(), 0) {
+        : body_(body), cutter_(body), wished_(wished), mirror_(mirror), least_(least), progress_(progress), fitted_(wished.size()), moves_(wished.size(), 0) {
         for (std::size_t c = 0; c < wished.size(); ++c) {
             fitted_[c].plane = wished[c].plane;
             if (fitted_[c].plane.normal.allFinite() && fitted_[c].plane.normal.norm() > 0.0) fitted_[c].plane.normal.stableNormalize();
@@ -33,7 +33,7 @@ public:
             std::vector<CutPlane> planes;
             for (std::size_t c = 0; c < fitted_.size(); ++c)
                 if (fitted_[c].kept) which.push_back(c), planes.push_back(fitted_[c].plane);
-            const auto pieces = cutBody(body_, planes, progress_);
+            const auto pieces = cutter_.cut(planes, progress_);
             if (pieces) {
                 if (!leaveStrayOut(*pieces, which) && !leaveSmallOut(*pieces, which)) return std::move(fitted_);
                 continue;
@@ -145,6 +145,7 @@ private:
     }
 
     const TriangleMesh& body_;
+    BodyCutter cutter_;
     std::span<const WishedCut> wished_;
     const std::optional<CutPlane>& mirror_;
     double least_;

@@ -7,7 +7,7 @@ namespace imomushi {
 namespace {
 
 /// Raise when the same input gives other bytes: cached responses of an older solver are then computed again.
-constexpr int kSolverVersion = 8;
+constexpr int kSolverVersion = 9;
 /// The same for BasisKind::Modes alone.
 constexpr int kModesVersion = 2;
 /// The same for touch alone.

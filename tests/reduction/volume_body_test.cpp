@@ -289,3 +289,20 @@ TEST_CASE("volume body: a piece that hangs from two ends of a limb has small tet
     CHECK(size.nodes > byDefault.quality.solverNodes / 2);
     CHECK(size.nodes < 2 * byDefault.quality.solverNodes);
 }
+
+TEST_CASE("volume body: one with more vertices than it may have at most is not filled, so that a coarser level never is the body itself") {
+    ResponseInput input = egg("draft");
+    for (JointFace& face : input.faces) face.disc.reset();
+    const BodySurface surface(input.mesh->body, input.faces);
+    VolumeDetail detail;
+    detail.vertices = 1000;
+    const auto small = volumeBody(surface, detail, {}, 1200);
+    REQUIRE(small);
+    CHECK(small->decimated);
+    const auto most = static_cast<int>(input.mesh->body.vertices.rows()) - 1;
+    detail.vertices = most;  // too near to what it has for a decimation
+    const auto large = volumeBody(surface, detail, {}, most);
+    REQUIRE_FALSE(large);
+    CHECK(large.error().code == "no-filling");
+    CHECK(volumeBody(surface, detail, {}));
+}
