@@ -6,11 +6,14 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "app/headless/live_performance.h"
 #include "core/document/command_support.h"
+#include "core/input/devices.h"
 #include "core/input/input_listener.h"
+#include "core/input/udp_port.h"
 
 namespace imomushi {
 
@@ -20,6 +23,16 @@ using Clock = InputListener::Clock;
 
 constexpr double kStepSeconds = 1.0 / 60.0;
 constexpr double kLongestLive = 86400.0;  // s
+
+/// Of a source that nobody needs.
+class SilentPort final : public InputPort {
+public:
+    std::optional<std::size_t> take(std::span<std::byte>) override { return std::nullopt; }
+};
+
+bool namesSource(const Document& document, const std::string& source) {
+    return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [&](const InputMapping& m) { return m.row.source == source; });
+}
 
 /// SIGINT and SIGTERM end a performance, and not the program, while one of these lives.
 class Interruption {
@@ -46,19 +59,44 @@ private:
 
 struct Listening {
     std::vector<RawSource> sources;
-    std::vector<UdpPort> ports;
+    std::vector<std::unique_ptr<InputPort>> ports;
 };
 
-Result<Listening> listen(const Json& list, UdpPort::From from) {
+/// The port of a source, or nobody's where it is a device that drives nothing. Standard error says which.
+Result<std::unique_ptr<InputPort>> portFor(const RawSource& source, const Json& given, UdpPort::From from, const Document& document) {
+    if (isOfDevices(source.protocol)) {
+        if (given.contains("port")) return fail("unknown-key", "A source of devices has no \"port\": it has \"device\".");
+        std::string device;
+        if (const Json* named = find(given, "device")) {
+            if (!named->is_string()) return fail("bad-type", "\"device\" of a source must be a text.");
+            device = named->get<std::string>();
+        }
+        if (!namesSource(document, source.name)) {
+            std::cerr << "Nothing is mapped to " << source.name << ": no device is opened for it\n" << std::flush;
+            return std::unique_ptr<InputPort>(std::make_unique<SilentPort>());
+        }
+        IMOMUSHI_TRY(auto port, openDevice(source.protocol, device));
+        std::cerr << "Listening to " << source.name << " on " << (device.empty() ? "the first device" : device) << "\n" << std::flush;
+        return port;
+    }
+    if (given.contains("device")) return fail("unknown-key", "A source of other programs has no \"device\": it has \"port\".");
+    if (!given.contains("port")) return fail("missing-key", "A source of other programs needs \"protocol\" and \"port\".");
+    IMOMUSHI_TRY(const auto port, numberWithin(given["port"], "port", 0, 65535));
+    IMOMUSHI_TRY(auto opened, UdpPort::listen(static_cast<std::uint16_t>(port), from));
+    std::cerr << "Listening to " << source.name << " on " << (from == UdpPort::From::Loopback ? "127.0.0.1:" : "0.0.0.0:") << opened.port() << "\n" << std::flush;
+    return std::unique_ptr<InputPort>(std::make_unique<UdpPort>(std::move(opened)));
+}
+
+Result<Listening> listen(const Json& list, UdpPort::From from, const Document& document) {
     Listening made;
     if (list.empty() || list.size() > RawInputs::kMostSources) return fail("bad-value", "\"sources\" must name 1 to " + std::to_string(RawInputs::kMostSources) + " senders.");
     for (const Json& given : list) {
         if (!given.is_object()) return fail("bad-type", "A source is an object: {\"protocol\":\"osc\",\"port\":9000}.");
         for (const auto& [key, value] : given.items())
-            if (key != "protocol" && key != "port" && key != "name") return fail("unknown-key", "A source has no \"" + key + "\".");
+            if (key != "protocol" && key != "port" && key != "device" && key != "name") return fail("unknown-key", "A source has no \"" + key + "\".");
         const Json* called = find(given, "protocol");
         const auto protocol = called && called->is_string() ? protocolNamed(called->get_ref<const std::string&>()) : std::nullopt;
-        if (!protocol || (*protocol != InputProtocol::Osc && *protocol != InputProtocol::Vmc)) return fail("bad-value", "\"protocol\" of a source is \"osc\" or \"vmc\".");
+        if (!protocol) return fail("bad-value", "\"protocol\" of a source is \"osc\", \"vmc\", \"midi\" or \"pad\".");
         RawSource source{std::string(protocolName(*protocol)), *protocol};
         if (const Json* name = find(given, "name")) {
             if (!name->is_string() || name->get_ref<const std::string&>().empty() || !InputName::fits(name->get_ref<const std::string&>())) return fail("bad-value", "\"name\" of a source must be a short text.");
@@ -66,12 +104,9 @@ Result<Listening> listen(const Json& list, UdpPort::From from) {
         }
         if (std::any_of(made.sources.begin(), made.sources.end(), [&](const RawSource& s) { return s.name == source.name; }))
             return fail("bad-value", "Two sources are called \"" + source.name + "\": give one another \"name\".");
-        if (!given.contains("port")) return fail("missing-key", "A source needs \"protocol\" and \"port\".");
-        IMOMUSHI_TRY(const auto port, numberWithin(given["port"], "port", 0, 65535));
-        IMOMUSHI_TRY(auto opened, UdpPort::listen(static_cast<std::uint16_t>(port), from));
-        std::cerr << "Listening to " << source.name << " on " << (from == UdpPort::From::Loopback ? "127.0.0.1:" : "0.0.0.0:") << opened.port() << "\n" << std::flush;
+        IMOMUSHI_TRY(auto port, portFor(source, given, from, document));
         made.sources.push_back(std::move(source));
-        made.ports.push_back(std::move(opened));
+        made.ports.push_back(std::move(port));
     }
     return made;
 }
@@ -79,7 +114,7 @@ Result<Listening> listen(const Json& list, UdpPort::From from) {
 Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& progress) {
     double longest = kLongestLive;
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
-    IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback));
+    IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback, access.document()));
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, kStepSeconds));
     std::optional<RawInputWriter> recording;
     if (const Json* path = find(arguments, "record")) {
@@ -121,7 +156,10 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     if (!answer) return failed(answer.error());
     if (recording)
         if (auto whole = recording->finish(); !whole) (*answer)["not_recorded"] = whole.error().message;
-    for (std::size_t i = 0; i < listener.ports().size(); ++i) tooLong += listener.tooLong(i);
+    for (std::size_t i = 0; i < listener.ports().size(); ++i) {
+        tooLong += listener.tooLong(i);
+        if (isOfDevices(heard.sources[i].protocol)) (*answer)["devices"][heard.sources[i].name] = listener.ports()[i]->device();
+    }
     (*answer)["too_long"] = tooLong;
     (*answer)["late"] = late;
     (*answer)["ms_per_step"] = summary(std::move(milliseconds));
@@ -154,10 +192,10 @@ Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress
 void addLiveCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("live",
-                       "Performs the character by what other programs send, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
+                       "Performs the character by what game controllers and other programs send, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
                        "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\"; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
-                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}. Port 0 is any that is free; standard error tells it."},
+                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\",\"device\":its name or number (the first one),\"name\":...}: a game controller, opened while a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
                         {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
                         {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."}},

@@ -1298,6 +1298,10 @@
             <source>No bone of the clips has a counterpart in the skeleton of the character.</source>
             <translation>クリップのボーンに対応するものが、キャラクターの骨格にありません。</translation>
         </message>
+        <message>
+            <source>Devices of this kind cannot be had on this machine: the system has no driver for them, or does not let this program have them.</source>
+            <translation>このコンピューターでは、この種類の機器を使えません。システムにドライバーがないか、このプログラムに許していません。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -6181,10 +6185,6 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>動かせるハンドル、ボーン、形がありません。</translation>
         </message>
         <message>
-            <source>Switch on a source first.</source>
-            <translation>まず送り手をオンにしてください。</translation>
-        </message>
-        <message>
             <source>Press, then move the control that is to drive this.</source>
             <translation>押してから、これを動かす操作子を動かしてください。</translation>
         </message>
@@ -6217,13 +6217,13 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Cancel</source>
             <translation>キャンセル</translation>
         </message>
+        <message>
+            <source>Plug in a device, or switch on a source first.</source>
+            <translation>まず機器をつなぐか、送り手をオンにしてください。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::LivePanel</name>
-        <message>
-            <source>Plug: switch on a source on the left, and let a program send to its port.</source>
-            <translation>つなぐ：左の送り手をオンにし、プログラムからそのポートへ送ってください。</translation>
-        </message>
         <message>
             <source>Everything was let go. Inputs move nothing until you continue.</source>
             <translation>すべて放しました。「続ける」まで、入力は何も動かしません。</translation>
@@ -6243,10 +6243,6 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>There is no character to perform yet. Open a sample, or make a mesh soft.</source>
             <translation>演じるキャラクターがまだありません。サンプルを開くか、メッシュを柔らかくしてください。</translation>
-        </message>
-        <message>
-            <source>Plug: nothing has come yet. The sender’s address and port are on the left.</source>
-            <translation>つなぐ：まだ何も届いていません。送り先のアドレスとポートは左にあります。</translation>
         </message>
         <message>
             <source>Learn: choose what is to move, press Learn, and move a control.</source>
@@ -6296,6 +6292,14 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Everything that inputs move glides to rest, and they move nothing more until you continue.</source>
             <translation>入力が動かしているものはすべて、なめらかに静止の姿へ戻ります。「続ける」まで、入力は何も動かしません。</translation>
+        </message>
+        <message>
+            <source>Plug: plug in a game controller, or switch on a source on the left and let a program send to its port.</source>
+            <translation>つなぐ：ゲームコントローラーをつなぐか、左で送り手をオンにして、プログラムからそのポートへ送ってください。</translation>
+        </message>
+        <message>
+            <source>Plug: nothing has come yet. On the left is what is waited for.</source>
+            <translation>つなぐ：まだ何も届いていません。何を待っているかは左にあります。</translation>
         </message>
     </context>
     <context>
@@ -6528,6 +6532,47 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>
                 <numerusform>%n 件の送り手から毎秒 %1 パケット。</numerusform>
             </translation>
+        </message>
+        <message>
+            <source>a game controller</source>
+            <translation>ゲームコントローラー</translation>
+        </message>
+        <message>
+            <source>Waits for %1 to be plugged in.</source>
+            <comment>a device</comment>
+            <translation>%1がつながれるのを待っています。</translation>
+        </message>
+        <message>
+            <source>%1 is here. Nothing was moved yet.</source>
+            <comment>a device</comment>
+            <translation>%1があります。まだ何も動いていません。</translation>
+        </message>
+        <message>
+            <source>%1: %2 packets/s.</source>
+            <comment>a device</comment>
+            <translation>%1：%2 パケット/秒。</translation>
+        </message>
+        <message>
+            <source>None is plugged in.</source>
+            <translation>つながれていません。</translation>
+        </message>
+        <message>
+            <source>Ready. It is opened while you learn, and for rows that name it.</source>
+            <translation>使えます。学習の間と、行がこれを挙げている間だけ開きます。</translation>
+        </message>
+        <message>
+            <source>Device of %1</source>
+            <comment>a source</comment>
+            <translation>%1の機器</translation>
+        </message>
+        <message>
+            <source>The first one</source>
+            <translation>最初のもの</translation>
+        </message>
+        <message>
+            <source>%1 (not here)</source>
+            <comment>a device</comment>
+            <translation>%1（ありません）</translation>
         </message>
     </context>
 </TS>

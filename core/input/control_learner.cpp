@@ -33,6 +33,7 @@ std::pair<double, double> usualRange(double low, double high) {
 }  // namespace
 
 void ControlLearner::hear(const InputValue& value) {
+    if (value.gone) return;
     const std::int64_t now = value.nanoseconds;
     if (!began_) began_ = now;
     const std::pair<std::string, std::string> name(value.source.text(), value.channel.text());

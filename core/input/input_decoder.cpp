@@ -49,6 +49,13 @@ bool InputDecoder::add(std::string_view channel, std::span<const double> numbers
     return true;
 }
 
+bool InputDecoder::addGone(std::string_view channel) {
+    const double nothing = 0.0;
+    if (!add(channel, std::span(&nothing, 1))) return false;
+    values_.back().gone = true;
+    return true;
+}
+
 std::unique_ptr<InputDecoder> makeInputDecoder(InputProtocol protocol, std::string_view source) {
     switch (protocol) {
         case InputProtocol::Osc: return makeOscDecoder(source);

@@ -14,6 +14,8 @@ namespace imomushi {
 
 /// What the bytes of a source are.
 enum class InputProtocol : std::uint8_t { Osc, Vmc, Midi, Pad };
+/// It is spoken by devices that are plugged in, not by programs that send to a port.
+inline bool isOfDevices(InputProtocol protocol) { return protocol == InputProtocol::Midi || protocol == InputProtocol::Pad; }
 std::string_view protocolName(InputProtocol protocol);                      ///< "osc", "vmc", "midi", "pad"
 std::optional<InputProtocol> protocolNamed(std::string_view name);
 
@@ -38,6 +40,8 @@ protected:
     virtual void accept() {}
     /// False: it is too long, has numbers that are not finite or too large, or the packet has too many.
     bool add(std::string_view channel, std::span<const double> numbers);
+    /// The channel says nothing from now on. False: as add().
+    bool addGone(std::string_view channel);
     void ignore() { ++ignored_; }
 
 private:

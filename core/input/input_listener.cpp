@@ -20,11 +20,11 @@ void InputListener::hear(Clock::time_point start, Clock::time_point until, const
     room_.resize(InputDecoder::kLongestPacket);
     std::ranges::fill(left_, kMostPackets);
     for (bool again = true; again;) {
-        UdpPort::wait(ports_, until);
+        InputPort::wait(ports_, until);
         again = Clock::now() < until && !over();
         for (std::size_t i = 0; i < ports_.size(); ++i)
             for (; left_[i] > 0; --left_[i]) {
-                const auto size = ports_[i].take(room_);
+                const auto size = ports_[i]->take(room_);
                 if (!size) break;
                 if (*size == 0 || *size > room_.size()) {
                     ++tooLong_[i];
@@ -45,10 +45,10 @@ void InputListener::answerList(std::size_t port, const std::function<std::vector
     if (listed_ != Clock::time_point{} && now - listed_ < kBetweenLists) return;
     listed_ = now;
     for (const std::string& message : messages())
-        if (!ports_[port].answer(std::as_bytes(std::span(message)))) return;
+        if (!ports_[port]->answer(std::as_bytes(std::span(message)))) return;
 }
 
-void InputListener::add(UdpPort port) {
+void InputListener::add(std::unique_ptr<InputPort> port) {
     ports_.push_back(std::move(port));
     left_.push_back(0);
     tooLong_.push_back(0);

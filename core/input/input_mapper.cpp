@@ -26,6 +26,12 @@ bool InputMapper::take(const InputValue& value) {
     bool taken = false;
     for (const Listener& listener : named) {
         const int component = rows_[listener.row].component;
+        if (value.gone && value.source == sources_[listener.row] && value.channel == channels_[listener.row]) {
+            Heard& heard = heard_[listener.row];
+            heard.gone = taken = true;
+            heard.fresh = false;
+            continue;
+        }
         if (!(value.source == sources_[listener.row]) || !(value.channel == channels_[listener.row]) || component < 0 || component >= value.count) continue;
         const double number = value.numbers[static_cast<std::size_t>(component)];
         if (!InputValue::isSound(number)) continue;
@@ -43,14 +49,14 @@ void InputMapper::step(double seconds) {
         Heard& heard = heard_[r];
         heard.returned = false;
         if (heard.fresh) {
-            heard.returned = heard.silent;
-            if (!heard.known || heard.silent) heard.filtered.restart(heard.raw);  // what it knew is too old
+            heard.returned = heard.silent || heard.gone;
+            if (!heard.known || heard.returned) heard.filtered.restart(heard.raw);  // what it knew is too old
             heard.known = true;
-            heard.silent = heard.fresh = false;
+            heard.silent = heard.fresh = heard.gone = false;
             heard.age = 0.0;
         } else if (heard.known) {
             heard.age += seconds;
-            heard.silent = row.after > 0.0 && heard.age > row.after;
+            heard.silent = heard.gone || (row.after > 0.0 && heard.age > row.after);
         }
         if (heard.known) heard.value = row.curve.at(heard.filtered.follow(heard.raw, seconds, row.filter));
     }
@@ -85,7 +91,7 @@ void InputMapper::step(double seconds) {
 }
 
 void InputMapper::letGo() {
-    for (Heard& heard : heard_) heard.known = heard.fresh = heard.silent = heard.returned = false;
+    for (Heard& heard : heard_) heard.known = heard.fresh = heard.gone = heard.silent = heard.returned = false;
     for (Slot& slot : slots_) {
         slot.from = slot.shown;
         slot.passed = 0.0;

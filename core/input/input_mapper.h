@@ -22,7 +22,7 @@ struct InputRow {
     OneEuro filter;             ///< of the control, before the curve
     /// What happens where its source has been silent for `after` seconds.
     enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
-    double after = 0.0;         ///< s; 0: it is never taken for silent (a stick that is not moved says nothing)
+    double after = 0.0;         ///< s; 0: it is silent only where its device is plugged out (a stick that is not moved says nothing)
     bool muted = false;
     bool operator==(const InputRow&) const = default;
 };
@@ -81,6 +81,7 @@ private:
         double age = 0.0;      // s, since the last value
         bool known = false;    // something was heard since letGo()
         bool fresh = false;    // since the last step
+        bool gone = false;     // its device was plugged out, and has not said it again before the last step
         bool silent = false, returned = false;  // as of the last step
     };
     struct Slot {

@@ -40,6 +40,7 @@ struct InputValue {
     std::array<double, kMost> numbers{};  ///< finite, within kLargest; what they mean says the decoder of the source
     int count = 0;                        ///< how many of them there are, from 1
     std::int64_t nanoseconds = 0;         ///< when it came, since listening began
+    bool gone = false;                    ///< it says nothing from now on: its device was plugged out
 };
 
 using InputSink = std::function<void(const InputValue&)>;

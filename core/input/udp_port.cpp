@@ -3,12 +3,9 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <string>
@@ -20,7 +17,6 @@ namespace {
 
 /// Of the system for each port: a quarter of a second of two senders that put every value into a datagram of its own.
 constexpr int kBufferBytes = 4 << 20;
-constexpr std::size_t kMostPorts = 64;
 
 }  // namespace
 
@@ -71,15 +67,6 @@ bool UdpPort::answer(std::span<const std::byte> bytes) {
     to.sin_port = senderPort_;
     to.sin_addr.s_addr = sender_;
     return ::sendto(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), sizeof to) == static_cast<ssize_t>(bytes.size());
-}
-
-void UdpPort::wait(std::span<const UdpPort> ports, std::chrono::steady_clock::time_point until) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
-    if (left.count() <= 0) return;
-    std::array<pollfd, kMostPorts> all{};
-    const std::size_t count = std::min(ports.size(), all.size());
-    for (std::size_t i = 0; i < count; ++i) all[i] = {ports[i].socket_, POLLIN, 0};
-    (void)::poll(all.data(), count, static_cast<int>(left.count()));
 }
 
 }  // namespace imomushi

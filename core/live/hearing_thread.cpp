@@ -25,14 +25,18 @@ constexpr std::size_t kMostRemembered = 4096;
 Result<std::uint16_t> HearingThread::open(const RawSource& source, std::uint16_t port, UdpPort::From from) {
     IMOMUSHI_TRY(auto opened, UdpPort::listen(port, from));
     const std::uint16_t number = opened.port();
+    open(source, std::make_unique<UdpPort>(std::move(opened)));
+    return number;
+}
+
+void HearingThread::open(const RawSource& source, std::unique_ptr<InputPort> port) {
     stop();
     Source made;
     made.source = source;
     made.decoder = makeInputDecoder(source.protocol, source.name);
     sources_.push_back(std::move(made));
-    listener_.add(std::move(opened));
+    listener_.add(std::move(port));
     run();
-    return number;
 }
 
 void HearingThread::close(const std::string& source) {
@@ -49,7 +53,7 @@ std::optional<HearingThread::Heard> HearingThread::heard(const std::string& sour
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find_if(sources_, [&](const Source& s) { return s.source.name == source; });
     if (found == sources_.end()) return std::nullopt;
-    Heard told{found->decoder->counts(), found->lost, found->refused, 0};
+    Heard told{found->decoder->counts(), found->lost, found->refused, 0, found->device};
     told.counts.packets += found->tooLong;
     told.counts.malformed += found->tooLong;
     const std::int64_t at = now();
@@ -99,7 +103,10 @@ void HearingThread::serve() {
         listener_.hear(start_, InputListener::Clock::now() + kSlice, [this] { return over_.load(); },
                        [this](std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes) { take(source, nanoseconds, bytes); });
         const std::lock_guard lock(mutex_);
-        for (std::size_t i = 0; i < sources_.size(); ++i) sources_[i].tooLong = listener_.tooLong(i);
+        for (std::size_t i = 0; i < sources_.size(); ++i) {
+            sources_[i].tooLong = listener_.tooLong(i);
+            sources_[i].device = listener_.ports()[i]->device();
+        }
     }
 }
 
@@ -118,7 +125,7 @@ bool HearingThread::admits(Source& source, std::uint64_t sender, std::int64_t na
 void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<const std::byte> bytes) {
     const std::lock_guard lock(mutex_);
     Source& source = sources_[index];
-    if (!admits(source, listener_.ports()[index].sender(), nanoseconds)) {
+    if (!admits(source, listener_.ports()[index]->sender(), nanoseconds)) {
         ++source.refused;
         return;
     }
@@ -131,7 +138,8 @@ void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<
     if (asked) listener_.answerList(index, [this] { return names_; });
     for (const InputValue& value : values_) {
         const std::uint64_t name = hashOfNames(value.source.text(), value.channel.text());
-        if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
+        if (value.gone) last_.erase(name);
+        else if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
     }
     if (learner_)
         for (const InputValue& value : values_) learner_->hear(value);

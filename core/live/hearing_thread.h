@@ -15,6 +15,7 @@
 #include "core/input/control_learner.h"
 #include "core/input/input_listener.h"
 #include "core/input/raw_inputs.h"
+#include "core/input/udp_port.h"
 
 namespace imomushi {
 
@@ -32,6 +33,7 @@ public:
         std::uint64_t lost = 0;      ///< packets that found no room in the feed
         std::uint64_t refused = 0;   ///< packets of a sender too many
         int senders = 0;             ///< who sent something lately
+        std::string device;          ///< InputPort::device()
         bool operator==(const Heard&) const = default;
     };
 
@@ -42,6 +44,8 @@ public:
 
     /// Opens the port of a source, whose name no other one has. Answers its number. Errors: those of UdpPort::listen().
     Result<std::uint16_t> open(const RawSource& source, std::uint16_t port, UdpPort::From from);
+    /// The same for a port that is open, or a device.
+    void open(const RawSource& source, std::unique_ptr<InputPort> port);
     void close(const std::string& source);
     [[nodiscard]] bool hears() const { return !sources_.empty(); }
     [[nodiscard]] std::optional<Heard> heard(const std::string& source) const;
@@ -66,6 +70,7 @@ private:
         std::array<Sender, kMostSenders> senders{};
         std::size_t known = 0;  // of these
         std::uint64_t lost = 0, refused = 0, tooLong = 0;
+        std::string device;
     };
     void run();
     void stop();

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "core/base/utf8.h"
 #include "core/input/input_decoder.h"
@@ -19,6 +20,7 @@ namespace {
 struct Heard {
     std::unique_ptr<InputDecoder> decoder;
     std::map<std::string, std::vector<double>> last;
+    std::set<std::string> left;  // channels that were gone
     explicit Heard(InputProtocol protocol) : decoder(makeInputDecoder(protocol, "here")) {}
     /// How many values came of it.
     int hear(const std::string& packet) {
@@ -27,6 +29,7 @@ struct Heard {
             CHECK(value.source.text() == "here");
             CHECK(value.nanoseconds == 7);
             last[std::string(value.channel.text())].assign(value.numbers.begin(), value.numbers.begin() + value.count);
+            if (value.gone) left.emplace(value.channel.text());
             ++values;
         });
         return values;
@@ -181,16 +184,62 @@ TEST_CASE("midi: running status, divided messages, pairs of 14 bit and pitch ben
     CHECK(h.one("key-pressure/5/1") == 1.0);
 }
 
-TEST_CASE("pad: sticks point up, and what no pad has is malformed") {
+namespace {
+
+std::string pad(unsigned kind, unsigned control, int value) {
+    const auto p = PadPacket::of(kind, control, static_cast<std::int16_t>(value));
+    return {reinterpret_cast<const char*>(p.data()), p.size()};
+}
+
+}  // namespace
+
+TEST_CASE("pad: sticks point up and say both their numbers, triggers go from 0 to 1, and what no pad has is malformed") {
     Heard h(InputProtocol::Pad);
-    const auto text = [](const std::array<std::byte, PadPacket::kBytes>& p) { return std::string(reinterpret_cast<const char*>(p.data()), p.size()); };
-    CHECK(h.hear(text(PadPacket::of(PadPacket::kAxis, 0, 32767)) + text(PadPacket::of(PadPacket::kAxis, 1, -32768))) == 2);
+    CHECK(h.hear(pad(PadPacket::kAxis, 0, 32767)) == 2);
     CHECK(h.one("left-x") == 1.0);
+    CHECK(h.one("left-y") == 0.0);
+    CHECK(h.hear(pad(PadPacket::kAxis, 0, 0) + pad(PadPacket::kAxis, 1, -32768)) == 4);
+    CHECK(h.one("left-x") == 0.0);
     CHECK(h.one("left-y") == 1.0);
-    CHECK(h.hear(text(PadPacket::of(PadPacket::kButton, 0, 1))) == 1);
+    CHECK(h.hear(pad(PadPacket::kAxis, 4, 32767) + pad(PadPacket::kAxis, 5, -300)) == 2);
+    CHECK(h.one("left-trigger") == 1.0);
+    CHECK(h.one("right-trigger") == 0.0);
+    CHECK(h.hear(pad(PadPacket::kButton, 0, 1)) == 1);
     CHECK(h.one("a") == 1.0);
-    for (const std::string& broken : {text(PadPacket::of(PadPacket::kAxis, 6, 0)), text(PadPacket::of(PadPacket::kButton, 0, 2)), text(PadPacket::of(2, 0, 0)), std::string("abc")}) CHECK(h.hear(broken) == 0);
-    CHECK(h.malformed() == 4);
+    for (const std::string& broken : {pad(PadPacket::kAxis, 6, 0), pad(PadPacket::kButton, 0, 2), pad(PadPacket::kGone, 1, 0), pad(3, 0, 0), std::string("abc")}) CHECK(h.hear(broken) == 0);
+    CHECK(h.malformed() == 5);
+}
+
+TEST_CASE("pad: the dead zone of a stick is round, so that a circle of the stick is a circle, and the way begins at 0") {
+    Heard h(InputProtocol::Pad);
+    const auto lean = [&](double x, double y) {
+        h.hear(pad(PadPacket::kAxis, 2, static_cast<int>(32767 * x)) + pad(PadPacket::kAxis, 3, static_cast<int>(-32767 * y)));
+        return std::pair(h.one("right-x"), h.one("right-y"));
+    };
+    CHECK(lean(0.08, 0.08) == std::pair(0.0, 0.0));
+    // Nearly upright: what is sideways is told, though it is less than the dead zone.
+    CHECK(lean(0.1, 0.9).first > 0.09);
+    for (int i = 0; i < 32; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / 32.0;
+        const auto [x, y] = lean(0.6 * std::cos(angle), 0.6 * std::sin(angle));
+        CHECK(std::hypot(x, y) == doctest::Approx((0.6 - 0.12) / 0.88).epsilon(1e-3));
+        CHECK(x * std::sin(angle) - y * std::cos(angle) == doctest::Approx(0.0).epsilon(1e-3));
+    }
+    const double little = lean(0.125, 0.0).first;
+    CHECK(little > 0.0);
+    CHECK(little < 0.01);
+}
+
+TEST_CASE("pad: one that is plugged out leaves every channel that it said, and none that it did not") {
+    Heard h(InputProtocol::Pad);
+    h.hear(pad(PadPacket::kAxis, 0, 20000) + pad(PadPacket::kButton, 1, 1));
+    h.last.clear();
+    CHECK(h.hear(pad(PadPacket::kGone, 0, 0)) == 3);
+    CHECK(h.left == std::set<std::string>{"b", "left-x", "left-y"});
+    CHECK(h.hear(pad(PadPacket::kGone, 0, 0)) == 0);
+    // It comes back with its sticks in the middle.
+    h.hear(pad(PadPacket::kAxis, 1, -32768));
+    CHECK(h.one("left-x") == 0.0);
 }
 
 TEST_CASE("decoders: of 400,000 packets that are random, or valid ones with a few bytes changed, only sound values come through") {

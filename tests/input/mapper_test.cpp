@@ -161,3 +161,36 @@ TEST_CASE("mapper: a step of 100 rows with 300 values neither allocates nor take
     MESSAGE(milliseconds << " ms a step");
     CHECK(milliseconds < 4.0);  // what the whole step may take
 }
+
+TEST_CASE("mapper: a device that is plugged out is silent at once, whatever its row waits for; when it is back, nothing jumps") {
+    const auto gone = [](const char* channel) {
+        InputValue value = valueOf("pad", channel, {0.0});
+        value.gone = true;
+        return value;
+    };
+    InputRow rests = rowOf("pad", "x");
+    rests.silence = InputRow::Silence::Rest;
+    for (const bool hold : {true, false}) {
+        InputMapper m = mapperOf({hold ? rowOf("pad", "x") : rests});
+        CHECK(m.take(valueOf("pad", "x", {0.8})));
+        stepFor(m, 1.0);
+        CHECK(m.shown(0) == 0.8);
+        CHECK(m.take(gone("x")));
+        CHECK(!m.take(gone("y")));
+        CHECK(stepFor(m, 2.0) <= 0.8 * fastest(InputMapper::kGlideToRest));
+        CHECK(m.shown(0) == (hold ? 0.8 : 0.0));
+        CHECK(m.meterOf(0).silent);
+        CHECK(m.take(valueOf("pad", "x", {-0.2})));
+        CHECK(stepFor(m, 1.0) <= fastest(InputMapper::kHandover));
+        CHECK(m.shown(0) == 0.0);  // the range of the row
+        CHECK(!m.meterOf(0).silent);
+    }
+    // The same within one step: what comes last counts.
+    InputMapper m = mapperOf({rowOf("pad", "x")});
+    m.take(valueOf("pad", "x", {0.8}));
+    stepFor(m, 1.0);
+    m.take(gone("x"));
+    m.take(valueOf("pad", "x", {0.1}));
+    CHECK(stepFor(m, 1.0) <= fastest(InputMapper::kHandover));
+    CHECK(m.shown(0) == 0.1);
+}

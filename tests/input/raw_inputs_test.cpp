@@ -93,8 +93,14 @@ TEST_CASE("raw inputs: of 20,000 files with bytes changed none is read beyond it
 }
 
 TEST_CASE("udp: a port is of this machine alone unless asked, one at a time, and a datagram that is too long says so") {
-    auto port = UdpPort::listen(0);
-    REQUIRE(port);
+    auto listened = UdpPort::listen(0);
+    REQUIRE(listened);
+    const std::vector<std::unique_ptr<InputPort>> ports = [&] {
+        std::vector<std::unique_ptr<InputPort>> one;
+        one.push_back(std::make_unique<UdpPort>(std::move(*listened)));
+        return one;
+    }();
+    auto* port = static_cast<UdpPort*>(ports[0].get());
     CHECK(port->port() > 0);
     CHECK(UdpPort::listen(port->port()).error().code == "port-taken");
     std::array<std::byte, 16> room{};
@@ -107,7 +113,7 @@ TEST_CASE("udp: a port is of this machine alone unless asked, one at a time, and
     for (const std::size_t size : {room.size(), 2 * room.size()}) {
         const std::string datagram(size, 'x');
         REQUIRE(::sendto(sender, datagram.data(), size, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to) == static_cast<ssize_t>(size));
-        UdpPort::wait(std::span(&*port, 1), std::chrono::steady_clock::now() + std::chrono::seconds(60));
+        InputPort::wait(ports, std::chrono::steady_clock::now() + std::chrono::seconds(60));
         CHECK(port->take(room) == size);
     }
     ::close(sender);

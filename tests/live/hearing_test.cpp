@@ -2,12 +2,14 @@
 #include <chrono>
 #include <thread>
 
+#include "core/input/devices.h"
 #include "core/live/hearing_thread.h"
 #include "core/live/input_feed.h"
 #include "tests/document/workbench.h"
 #include "tests/support/input_values.h"
 #include "tests/support/osc_bytes.h"
 #include "tests/support/udp_sender.h"
+#include "tests/support/virtual_pad.h"
 
 using namespace imomushi;
 using namespace std::chrono_literals;
@@ -166,5 +168,45 @@ TEST_CASE("feed: what a hand has is not driven until the gesture ends; then the 
     // Only what is mapped goes on: the end stays where the hand left it in x.
     CHECK(waited([&] { return std::abs(target().y() - 0.7) < 1e-9; }));
     CHECK(target().x() == doctest::Approx(1.0));
+    f.session.performInputs(nullptr);
+}
+
+TEST_CASE("hearing: a pad is heard while it is plugged in, moves what is mapped, and is learned; what it said last is forgotten when it leaves") {
+    HeardPuppet f;
+    f.good({{"do", "map-input"}, {"source", "pad"}, {"channel", "left-y"}, {"target", "bone/b/end/y"}, {"in", {-1, 1}}, {"out", {-0.5, 0.5}}});
+    f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
+    f.session.perform(60.0, [] {});
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    REQUIRE(f.session.performInputs(feed));
+    HearingThread thread;
+    thread.feed(feed, {});
+    auto port = openDevice(InputProtocol::Pad, {});
+    REQUIRE(port);
+    thread.open({"pad", InputProtocol::Pad}, std::move(*port));
+    CHECK(waited([&] { return thread.heard("pad").has_value(); }));
+    CHECK(thread.heard("pad")->device.empty());
+    thread.learn(true);
+    VirtualPad pad;
+    CHECK(waited([&] { return thread.heard("pad")->device == VirtualPad::kName; }));
+    CHECK(thread.heard("pad")->counts.packets == 0);
+    for (int i = 0; i <= 10; ++i) {
+        pad.axis(SDL_CONTROLLER_AXIS_LEFTY, -3276 * i);
+        std::this_thread::sleep_for(10ms);
+    }
+    CHECK(waited([&] { return feed->takeMeters() && feed->meters()[2].drives && feed->meters()[2].raw > 0.9; }));
+    CHECK(thread.heard("pad")->senders == 1);
+    CHECK(waited([&] { return thread.learned() && thread.learned()->settled; }));
+    CHECK(thread.learned()->channel == "left-y");
+    CHECK(thread.learned()->source == "pad");
+    pad.unplug();
+    CHECK(waited([&] { return feed->takeMeters() && feed->meters()[2].silent; }));
+    CHECK(thread.heard("pad")->device.empty());
+    // Another feed knows nothing of it: nobody says it any more.
+    const auto next = std::make_shared<InputFeed>(f.driver());
+    REQUIRE(f.session.performInputs(next));
+    thread.feed(next, {});
+    CHECK(waited([&] { return next->takeMeters() && !next->meters()[2].known; }));
+    thread.close("pad");
+    CHECK(!thread.hears());
     f.session.performInputs(nullptr);
 }

@@ -136,6 +136,7 @@ TEST_CASE("live: Ctrl+C ends a performance and leaves a project with a take; the
     CHECK(program("live").status == 2);
     CHECK(program("live --help").status == 0);
     CHECK(program("live --osc x egg.imomushi").status == 2);
+    CHECK(program("live --pad").status == 2);
     CHECK(program("replay raw.input").status == 2);
     CHECK(program("replay egg.imomushi egg.imomushi").status == 1);
 }
@@ -149,7 +150,10 @@ TEST_CASE("live: what cannot be listened to is refused, and nothing listens beyo
     CHECK(code("[]") == "bad-value");
     CHECK(code("[1]") == "bad-type");
     CHECK(code(R"([{"protocol":"osc"}])") == "missing-key");
-    CHECK(code(R"([{"protocol":"midi","port":0}])") == "bad-value");
+    CHECK(code(R"([{"protocol":"rtp","port":0}])") == "bad-value");
+    CHECK(code(R"([{"protocol":"pad","port":0}])") == "unknown-key");
+    CHECK(code(R"([{"protocol":"pad","device":1}])") == "bad-type");
+    CHECK(code(R"([{"protocol":"osc","device":"x","port":0}])") == "unknown-key");
     CHECK(code(R"([{"protocol":"osc","port":70000}])") == "bad-value");
     CHECK(code(R"([{"protocol":"osc","port":0},{"protocol":"osc","port":0}])") == "bad-value");
     CHECK(code(R"([{"protocol":"osc","port":0,"host":"x"}])") == "unknown-key");
@@ -215,4 +219,19 @@ TEST_CASE("live: a recording of a program that was killed is whole but for its l
     CHECK(replayed.answers[1]["frames"].get<int>() >= 120);
     CHECK(replayed.answers[1]["sources"][0]["values"].get<int>() >= 60);
     CHECK(std::abs(replayed.answers[2]["value"][0].get<double>() - 0.3) < 0.1 + 1e-9);
+}
+
+TEST_CASE("live: a game controller that is not there is no error, and one that nothing is mapped to is not opened") {
+    makeEgg();
+    const Run unmapped = script("{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n{\"do\":\"live\",\"seconds\":0.05,\"sources\":[{\"protocol\":\"pad\"}]}\n");
+    CHECK(unmapped.status == 0);
+    CHECK(unmapped.err.find("Nothing is mapped to pad") != std::string::npos);
+    const Run run = script(R"({"do":"open","path":"egg.imomushi"}
+{"do":"map-input","source":"hands","channel":"left-y","target":"handle/top/y","in":[-1,1]}
+{"do":"live","seconds":0.1,"sources":[{"protocol":"pad","device":"No such pad","name":"hands"}]}
+)");
+    REQUIRE(run.status == 0);
+    CHECK(run.err.find("Listening to hands on No such pad") != std::string::npos);
+    CHECK(run.answers[2]["devices"]["hands"] == "");
+    CHECK(run.answers[2]["sources"][0]["packets"] == 0);
 }

@@ -8,6 +8,7 @@
 #include "tests/studio/window.h"
 #include "tests/support/osc_bytes.h"
 #include "tests/support/udp_sender.h"
+#include "tests/support/virtual_pad.h"
 #include "ui/models/mapping_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/panels/live/live_panel.h"
@@ -37,6 +38,7 @@ struct LiveWindow : Window {
         REQUIRE_MESSAGE(found, name);
         return *found;
     }
+    QString state(const char* source) { return part<QLabel>(("state-" + std::string(source)).c_str()).text(); }
     QString guide() { return part<QLabel>("guide").text(); }
     using Window::click;
     void click(const char* button) {
@@ -240,6 +242,73 @@ TEST_CASE("live: what the mouse holds is not driven until it lets go") {
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(0, -36));
     w.say("/fader", 0.0F);
     waitFor([&] { return w.place(w.lastEnd()).y() < rest + 0.01; });
+}
+
+TEST_CASE("live: a pad is plugged in, a stick is learned for the end of a bone, which follows it; without a row the pad is closed") {
+    LiveWindow w;
+    auto& pads = w.part<QComboBox>("device-pad");
+    CHECK(w.state("pad") == QStringLiteral("None is plugged in."));
+    CHECK(pads.count() == 1);
+    VirtualPad pad;
+    w.inputs().lookForDevices();
+    CHECK(pads.count() == 2);
+    CHECK(pads.itemText(1) == QLatin1String(VirtualPad::kName));
+    CHECK(w.state("pad").startsWith(QStringLiteral("Ready")));
+    CHECK(!w.inputs().listens());
+    CHECK(w.guide().startsWith(QStringLiteral("Learn")));
+    w.document().select({{SelectionItem::Kind::Endpoint, w.lastEnd().bone, {}, true}});
+    w.click("learn");
+    CHECK(w.inputs().listens());
+    waitFor([&] { return w.state("pad").contains(QLatin1String(VirtualPad::kName)); });
+    for (int i = -10; i <= 10; ++i) {
+        pad.axis(SDL_CONTROLLER_AXIS_RIGHTY, 3276 * i);
+        QTest::qWait(15);
+    }
+    waitFor([&] { return w.inputs().candidate().has_value(); });
+    w.shoot("live-pad-learning");
+    waitFor([&] { return w.rows() == 1; });
+    const InputMapping made = w.now().mappings->front();
+    CHECK(made.row.source == "pad");
+    CHECK(made.row.channel == "right-y");
+    CHECK(made.row.curve.inLow == -1.0);
+    CHECK(made.row.curve.outLow == -made.row.curve.outHigh);
+    const double rest = w.place(w.lastEnd()).y();
+    pad.axis(SDL_CONTROLLER_AXIS_RIGHTY, -32768);
+    waitFor([&] { return w.model().level(0).drives && w.model().level(0).raw == 1.0; });
+    waitFor([&] { return std::abs(w.place(w.lastEnd()).y() - rest) > 0.02; });
+    w.shoot("live-pad");
+    CHECK(cutOff(w.panel()) == "");
+    // Out and in again: what it held stays.
+    pad.unplug();
+    waitFor([&] { return w.state("pad") == QStringLiteral("Waits for a game controller to be plugged in."); });
+    CHECK(w.model().level(0).silent);
+    pad.plug();
+    waitFor([&] { return w.state("pad").contains(QLatin1String(VirtualPad::kName)); });
+    // A source that is switched off hears nothing; without a row no pad is open.
+    w.click("source-pad");
+    CHECK(!w.inputs().listens());
+    w.click("source-pad");
+    CHECK(w.inputs().listens());
+    w.click("mappingRemove");
+    w.settle();
+    CHECK(!w.inputs().listens());
+    waitFor([&] { return !w.document().session().moving(); });
+}
+
+TEST_CASE("live: a pad that a source wants and that is not here is said, and is another one than the first that is") {
+    LiveWindow w;
+    VirtualPad pad;
+    w.inputs().lookForDevices();
+    w.inputs().setDevice(2, "030000005e0400008e02000014010000 045e:028e Stage pad");
+    CHECK(w.part<QComboBox>("device-pad").currentText() == QStringLiteral("Stage pad (not here)"));
+    w.run({{"do", "map-input"}, {"source", "pad"}, {"channel", "left-x"}, {"target", "bone/" + w.lastEndName() + "/y"}});
+    w.settle();
+    CHECK(w.inputs().listens());
+    CHECK(w.state("pad") == QStringLiteral("Waits for Stage pad to be plugged in."));
+    w.shoot("live-pad-waits");
+    CHECK(cutOff(w.panel()) == "");
+    w.inputs().setDevice(2, "");
+    waitFor([&] { return w.state("pad").contains(QLatin1String(VirtualPad::kName)); });
 }
 
 TEST_CASE("live: the panel is whole in both languages, at twice the size too") {

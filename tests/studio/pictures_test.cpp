@@ -162,7 +162,7 @@ TEST_CASE("pictures: other programs perform" * doctest::skip()) {
         QTest::qWait(20);
     }
     w.shoot("live");
-    inputs.switchAllOff();
+    inputs.closePorts();
 }
 
 TEST_CASE("pictures: a take is exported" * doctest::skip()) {

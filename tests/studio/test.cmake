@@ -5,7 +5,7 @@ if(IMOMUSHI_STUDIO)
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/studio/*.cpp)
     add_executable(test_studio ${sources} ${CMAKE_CURRENT_SOURCE_DIR}/support/failing_new.cpp)
     target_include_directories(test_studio PRIVATE ${PROJECT_SOURCE_DIR})
-    target_link_libraries(test_studio PRIVATE imomushi_studio imomushi_doctest Qt6::Test)
+    target_link_libraries(test_studio PRIVATE imomushi_studio imomushi_doctest Qt6::Test PkgConfig::SDL2)
     target_precompile_headers(test_studio REUSE_FROM imomushi_precompiled_studio_tests)
     target_compile_definitions(test_studio PRIVATE
         IMOMUSHI_SHARED_MESHES="${IMOMUSHI_SHARED_MESHES}"

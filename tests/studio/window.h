@@ -150,7 +150,7 @@ public:
         w.deck().stopRecording();
         w.deck().setPlaying(false);
         w.deck().leave();
-        w.inputs().switchAllOff();
+        w.inputs().closePorts();
         (void)w.document().execute({{"do", "new"}});
         for (const char* off : {"loop", "count-in", "orthographic", "bodies", "xray", "soft-at-once", "passing-handles"})
             if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();

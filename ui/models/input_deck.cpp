@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/input_deck.h"
 
+#include <QFileSystemWatcher>
 #include <QSettings>
 #include <algorithm>
 #include <tuple>
@@ -20,6 +21,10 @@ constexpr int kOscPort = 9000, kVmcPort = 39539;
 constexpr int kLargestPort = 65535;
 constexpr int kRateMs = 1000;
 constexpr const char* kSources = "live/sources";
+/// What was plugged in is ready a moment later, ms.
+constexpr int kReadyMs = 400;
+/// Where the system shows that devices come and go.
+constexpr const char* kDeviceFolders[] = {"/dev/input", "/dev/snd"};
 
 }  // namespace
 
@@ -28,9 +33,9 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
     timer_.setInterval(kTellMs);
     connect(&timer_, &QTimer::timeout, this, &InputDeck::tell);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (!listens()) return;
         const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings;
-        if (driven) followSoon();
+        const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
+        if (devices || (driven && listens())) followSoon();
         // Another project is not performed by what was learned for the last one.
         if (change.unknown) stopLearning();
     });
@@ -54,20 +59,23 @@ void InputDeck::load() {
         const auto protocol = protocolNamed(settings.value(QStringLiteral("protocol")).toString().toStdString());
         source.port = settings.value(QStringLiteral("port")).toInt();
         source.network = settings.value(QStringLiteral("network")).toBool();
+        source.device = settings.value(QStringLiteral("device")).toString().toStdString();
         const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; });
         if (!protocol || source.name.empty() || !InputName::fits(source.name) || known || source.port < 0 || source.port > kLargestPort) continue;
         source.protocol = *protocol;
+        source.on = isOfDevices(*protocol) && settings.value(QStringLiteral("on"), true).toBool();
         sources_.push_back(std::move(source));
     }
     settings.endArray();
-    if (sources_.empty())
-        for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort)}) {
-            Source source;
-            source.name = protocolName(protocol);
-            source.protocol = protocol;
-            source.port = port;
-            sources_.push_back(std::move(source));
-        }
+    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0)}) {
+        Source source;
+        source.name = protocolName(protocol);
+        if (std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; })) continue;
+        source.protocol = protocol;
+        source.port = port;
+        source.on = isOfDevices(protocol);
+        sources_.push_back(std::move(source));
+    }
     packets_.resize(sources_.size());
 }
 
@@ -80,6 +88,8 @@ void InputDeck::keep() const {
         settings.setValue(QStringLiteral("protocol"), QString::fromStdString(std::string(protocolName(sources_[i].protocol))));
         settings.setValue(QStringLiteral("port"), sources_[i].port);
         settings.setValue(QStringLiteral("network"), sources_[i].network);
+        settings.setValue(QStringLiteral("device"), QString::fromStdString(sources_[i].device));
+        settings.setValue(QStringLiteral("on"), isOfDevices(sources_[i].protocol) && sources_[i].on);
     }
     settings.endArray();
 }
@@ -87,15 +97,24 @@ void InputDeck::keep() const {
 void InputDeck::open(Source& source) {
     source.heard = {};
     source.perSecond = 0.0;
+    source.trouble.clear();
+    if (isOfDevices(source.protocol)) {
+        auto opened = openDevice(source.protocol, source.device);
+        source.open = opened.has_value();
+        if (opened) thread_.open({source.name, source.protocol}, std::move(*opened));
+        else source.trouble = errorText(opened.error());
+        return;
+    }
     const auto opened = thread_.open({source.name, source.protocol}, std::uint16_t(source.port), source.network ? UdpPort::From::Anywhere : UdpPort::From::Loopback);
-    source.on = opened.has_value();
-    source.trouble = opened ? QString() : errorText(opened.error());
+    source.on = source.open = opened.has_value();
     if (opened) source.port = *opened;
+    else source.trouble = errorText(opened.error());
 }
 
 void InputDeck::close(Source& source) {
     thread_.close(source.name);
-    source.on = false;
+    source.open = false;
+    source.heard = {};
     source.perSecond = 0.0;
 }
 
@@ -104,15 +123,62 @@ void InputDeck::setOn(std::size_t index, bool on) {
     if (on == source.on) return;
     source.trouble.clear();
     packets_[index] = 0;
-    on ? open(source) : close(source);
+    source.on = on;
+    if (isOfDevices(source.protocol)) {
+        keep();
+        followDevices();
+    } else {
+        on ? open(source) : close(source);
+    }
     // Who plugs in wants to see it move.
-    if (on && source.on) {
+    if (source.open) {
         waits_ = Waits::No;
         holdsAnyway_ = true;
     }
     if (!listens()) stopLearning();
     follow();
     Q_EMIT changed();
+}
+
+bool InputDeck::wantsDevice(const Source& source) const {
+    const auto& rows = document_.document().mappings;
+    return source.on && source.trouble.isEmpty() && (learning() || (rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) { return m.row.source == source.name; })));
+}
+
+void InputDeck::followDevices() {
+    for (Source& source : sources_)
+        if (isOfDevices(source.protocol) && wantsDevice(source) != source.open) source.open ? close(source) : open(source);
+}
+
+void InputDeck::setDevice(std::size_t index, const std::string& device) {
+    Source& source = sources_.at(index);
+    if (device == source.device) return;
+    if (source.open) close(source);
+    source.device = device;
+    source.trouble.clear();
+    keep();
+    follow();
+    Q_EMIT changed();
+}
+
+void InputDeck::lookForDevices() {
+    if (!watcher_) {
+        watcher_ = new QFileSystemWatcher(this);
+        for (const char* folder : kDeviceFolders) watcher_->addPath(QLatin1String(folder));  // false where there is none: nothing can be plugged in
+        lookSoon_.setSingleShot(true);
+        lookSoon_.setInterval(kReadyMs);
+        connect(watcher_, &QFileSystemWatcher::directoryChanged, &lookSoon_, qOverload<>(&QTimer::start));
+        connect(&lookSoon_, &QTimer::timeout, this, &InputDeck::lookForDevices);
+    }
+    auto seen = devices_;
+    for (const InputProtocol protocol : {InputProtocol::Pad}) seen[std::size_t(protocol)] = pluggedDevices(protocol);
+    if (seen == devices_) return;
+    devices_ = std::move(seen);
+    Q_EMIT changed();
+}
+
+bool InputDeck::canLearn() const {
+    return listens() || std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && s.on && !devices(s.protocol).empty(); });
 }
 
 void InputDeck::setPort(std::size_t index, int port) {
@@ -146,8 +212,11 @@ void InputDeck::add(InputProtocol protocol) {
     const auto taken = [&](const auto& is) { return std::any_of(sources_.begin(), sources_.end(), is); };
     source.name = protocolName(protocol);
     for (int i = 2; taken([&](const Source& s) { return s.name == source.name; }); ++i) source.name = std::string(protocolName(protocol)) + std::to_string(i);
-    source.port = protocol == InputProtocol::Vmc ? kVmcPort : kOscPort;
-    while (taken([&](const Source& s) { return s.port == source.port; })) ++source.port;
+    source.on = isOfDevices(protocol);
+    if (!source.on) {
+        source.port = protocol == InputProtocol::Vmc ? kVmcPort : kOscPort;
+        while (taken([&](const Source& s) { return s.port == source.port; })) ++source.port;
+    }
     sources_.push_back(std::move(source));
     packets_.push_back(0);
     keep();
@@ -162,8 +231,10 @@ void InputDeck::remove(std::size_t index) {
     Q_EMIT changed();
 }
 
-void InputDeck::switchAllOff() {
-    for (std::size_t i = 0; i < sources_.size(); ++i) setOn(i, false);
+void InputDeck::closePorts() {
+    stopLearning();
+    for (std::size_t i = 0; i < sources_.size(); ++i)
+        if (!isOfDevices(sources_[i].protocol)) setOn(i, false);
 }
 
 // ---- performing ----------------------------------------------------------------------------------------------------------
@@ -177,6 +248,7 @@ void InputDeck::followSoon() {
 
 void InputDeck::follow() {
     scheduled_ = false;
+    followDevices();
     const bool had = feed_ != nullptr;
     // What was performed becomes the document's, which the new feed begins from.
     if (had) document_.performInputs(nullptr);
@@ -186,7 +258,7 @@ void InputDeck::follow() {
     if (listens() && !deck_.shown() && document_.session().character()) {
         std::vector<std::string> osc;
         for (const Source& source : sources_)
-            if (source.on && source.protocol == InputProtocol::Osc) osc.push_back(source.name);
+            if (source.open && source.protocol == InputProtocol::Osc) osc.push_back(source.name);
         feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc));
         names = nameMessages(document_.document());
         document_.performInputs(feed_);
@@ -250,6 +322,9 @@ void InputDeck::learn(const std::string& target) {
     target_ = target;
     candidate_.reset();
     thread_.learn(learning());
+    const bool heard = listens();
+    followDevices();
+    if (listens() != heard) follow();
     Q_EMIT changed();
 }
 
@@ -260,10 +335,13 @@ void InputDeck::stopLearning() {
 void InputDeck::takeCandidate() {
     const auto found = candidate_;
     const std::string target = target_;
-    stopLearning();
-    if (!found) return;
+    // Where it stops without a row, the device may be closed.
+    if (!found) return stopLearning();
     const auto there = mappedTarget(document_.document(), target);
-    if (!there) return Q_EMIT document_.failed(errorText(there.error()));
+    if (!there) {
+        stopLearning();
+        return Q_EMIT document_.failed(errorText(there.error()));
+    }
     InputMapping made;
     made.target = target;
     made.row.source = found->source;
@@ -274,6 +352,7 @@ void InputDeck::takeCandidate() {
     curve.inHigh = found->high;
     std::tie(curve.outLow, curve.outHigh) = usualReach(document_.document(), *there, found->low < 0.0 && found->high > 0.0);
     const auto answer = document_.execute(commands::mapInput(made));
+    stopLearning();
     if (!answer) return;
     if (waits_ != Waits::No) goOn();
     holdsAnyway_ = true;

@@ -4,20 +4,25 @@
 #include <QElapsedTimer>
 #include <QObject>
 #include <QTimer>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/document/input_mapping.h"
+#include "core/input/devices.h"
 #include "core/live/hearing_thread.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
 
+class QFileSystemWatcher;
+
 namespace imomushi {
 
-/// Performs the character by what other programs send: who is listened to, the way of values into the performance, and learning which control drives what. Ports are open only while a source
-/// is switched on, for programs of this machine alone unless the artist opens one to the network.
+/// Performs the character by what devices and other programs say: who is listened to, the way of values into the performance, and learning which control drives what. Ports are open only while
+/// a source is switched on, for programs of this machine alone unless the artist opens one to the network. A device of a source that is switched on is open only while a row of the document
+/// maps that source, or while somebody learns.
 class InputDeck : public QObject {
     Q_OBJECT
 public:
@@ -25,13 +30,15 @@ public:
     static constexpr int kTellMs = 40;
     static constexpr std::size_t kMostSources = 16;
 
-    /// Somebody who may send. Who they are is kept for the next time; none is switched on then.
+    /// Somebody who may send, or a device. Who they are is kept for the next time; only devices are switched on then.
     struct Source {
         std::string name;          ///< as mappings call it
         InputProtocol protocol = InputProtocol::Osc;
         int port = 0;
         bool network = false;      ///< other machines may send, too
+        std::string device;        ///< of a source of devices: as openDevice() takes it
         bool on = false;
+        bool open = false;         ///< its port, or its device
         QString trouble;           ///< why it could not be switched on; empty: it could
         HearingThread::Heard heard;
         double perSecond = 0.0;    ///< packets, over the last second
@@ -44,15 +51,22 @@ public:
 
     [[nodiscard]] const std::vector<Source>& sources() const { return sources_; }
     [[nodiscard]] bool listens() const { return thread_.hears(); }
-    /// Opens or closes its port.
+    /// Opens or closes its port, or lets its device be heard or not.
     void setOn(std::size_t source, bool on);
     // A source that is on is opened anew.
     void setPort(std::size_t source, int port);
     void setNetwork(std::size_t source, bool network);
+    void setDevice(std::size_t source, const std::string& device);
     /// One more, under a name of its own.
     void add(InputProtocol protocol);
     void remove(std::size_t source);
-    void switchAllOff();
+    /// Devices stay open where rows name them.
+    void closePorts();
+    /// Devices that were there when somebody looked last. From the first look on, what is plugged in and out is seen by itself.
+    [[nodiscard]] const std::vector<PluggedDevice>& devices(InputProtocol protocol) const { return devices_[std::size_t(protocol)]; }
+    void lookForDevices();
+    /// Somebody is listened to, or a device that may be heard is plugged in.
+    [[nodiscard]] bool canLearn() const;
 
     [[nodiscard]] Waits waits() const;
     /// Everything that inputs move glides to rest, and they move nothing more until goOn(). For panic.
@@ -81,6 +95,9 @@ private:
     void load();
     void keep() const;
     void open(Source& source);
+    /// Opens and closes devices as rows and learning want it.
+    void followDevices();
+    [[nodiscard]] bool wantsDevice(const Source& source) const;
     void close(Source& source);
     /// Gives the performance a feed for the document as it is, or takes it away where nothing is to be performed.
     void follow();
@@ -93,6 +110,9 @@ private:
     TakeDeck& deck_;
     std::vector<Source> sources_;
     std::vector<std::uint64_t> packets_;  // of each source when rates were taken last
+    std::array<std::vector<PluggedDevice>, 4> devices_;  // by protocol
+    QFileSystemWatcher* watcher_ = nullptr;  // from the first look on
+    QTimer lookSoon_;
     HearingThread thread_;
     std::shared_ptr<InputFeed> feed_;
     std::vector<InputMeter> meters_;

@@ -38,6 +38,7 @@ const std::map<std::string, const char*> kErrors = {
     {"bad-index", QT_TRANSLATE_NOOP("Errors", "A vertex does not exist.")},
     {"not-connected", QT_TRANSLATE_NOOP("Errors", "The patch falls into several pieces. Choose one connected patch.")},
     {"not-planar", QT_TRANSLATE_NOOP("Errors", "The patch is too far from flat for a joint face.")},
+    {"no-devices", QT_TRANSLATE_NOOP("Errors", "Devices of this kind cannot be had on this machine: the system has no driver for them, or does not let this program have them.")},
     {"port-taken", QT_TRANSLATE_NOOP("Errors", "Another program uses this port. Close it, or choose another port here and in the sender.")},
     {"no-port", QT_TRANSLATE_NOOP("Errors", "The port cannot be opened. Choose one from 1024 on.")},
     {"not-raw-input", QT_TRANSLATE_NOOP("Errors", "This file is no recording of live input.")},

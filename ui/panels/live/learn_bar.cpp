@@ -107,9 +107,9 @@ void LearnBar::follow() {
     learning_->setVisible(inputs_.learning());
     thing_->setEnabled(!things_.empty());
     number_->setEnabled(!things_.empty());
-    learn_->setEnabled(!things_.empty() && inputs_.listens());
+    learn_->setEnabled(!things_.empty() && inputs_.canLearn());
     learn_->setToolTip(things_.empty()      ? tr("There is no handle, no bone and no shape that could be driven.")
-                       : !inputs_.listens() ? tr("Switch on a source first.")
+                       : !inputs_.canLearn() ? tr("Plug in a device, or switch on a source first.")
                                             : tr("Press, then move the control that is to drive this."));
     tell();
 }

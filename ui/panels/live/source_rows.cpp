@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/live/source_rows.h"
 
+#include <QComboBox>
 #include <QEvent>
 #include <QHBoxLayout>
 #include <QIntValidator>
@@ -26,15 +27,31 @@ using Source = InputDeck::Source;
 
 QString countText(std::uint64_t count) { return QLocale().toString(qulonglong(count)); }
 
+/// What is wanted of a device, for people.
+QString wantedText(const Source& source) {
+    if (!source.device.empty()) return QString::fromStdString(deviceName(source.protocol, source.device));
+    return SourceRows::tr("a game controller");
+}
+
+/// How a device is.
+QStringList deviceParts(const InputDeck& inputs, const Source& source) {
+    const QString device = QString::fromStdString(source.heard.device);
+    if (source.open && device.isEmpty()) return {SourceRows::tr("Waits for %1 to be plugged in.", "a device").arg(wantedText(source))};
+    if (source.open) return {source.heard.counts.packets == 0 ? SourceRows::tr("%1 is here. Nothing was moved yet.", "a device").arg(device) : SourceRows::tr("%1: %2 packets/s.", "a device").arg(device, QLocale().toString(source.perSecond, 'f', 0))};
+    if (inputs.devices(source.protocol).empty()) return {SourceRows::tr("None is plugged in.")};
+    return {SourceRows::tr("Ready. It is opened while you learn, and for rows that name it.")};
+}
+
 /// What comes from a source, in plain words; empty: it is off.
-QString stateText(const Source& source) {
+QString stateText(const InputDeck& inputs, const Source& source) {
     if (!source.trouble.isEmpty()) return source.trouble;
     if (!source.on) return {};
     const auto& heard = source.heard;
-    if (heard.counts.packets == 0 && heard.refused == 0)
-        return source.network ? SourceRows::tr("Listening. Any machine may send to port %1.").arg(source.port) : SourceRows::tr("Listening. Programs on this machine may send to 127.0.0.1, port %1.").arg(source.port);
     QStringList parts;
-    if (heard.senders == 0) parts << SourceRows::tr("Silent: no sender is heard now.");
+    if (isOfDevices(source.protocol)) parts = deviceParts(inputs, source);
+    else if (heard.counts.packets == 0 && heard.refused == 0)
+        return source.network ? SourceRows::tr("Listening. Any machine may send to port %1.").arg(source.port) : SourceRows::tr("Listening. Programs on this machine may send to 127.0.0.1, port %1.").arg(source.port);
+    else if (heard.senders == 0) parts << SourceRows::tr("Silent: no sender is heard now.");
     else parts << SourceRows::tr("%1 packets/s from %n sender(s).", nullptr, heard.senders).arg(QLocale().toString(source.perSecond, 'f', 0));
     if (heard.counts.malformed > 0) parts << SourceRows::tr("Broken packets, left out: %1.").arg(countText(heard.counts.malformed));
     if (heard.lost > 0) parts << SourceRows::tr("Packets that came too fast: %1.").arg(countText(heard.lost));
@@ -53,7 +70,7 @@ SourceRows::SourceRows(InputDeck& inputs, QWidget* parent) : QWidget(parent), in
     add_->setProperty("flat", true);
     connect(add_, &QPushButton::clicked, this, [this] {
         QMenu menu(this);
-        for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc}) connect(menu.addAction(protocolText(protocol)), &QAction::triggered, this, [this, protocol] { inputs_.add(protocol); });
+        for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc, InputProtocol::Pad}) connect(menu.addAction(protocolText(protocol)), &QAction::triggered, this, [this, protocol] { inputs_.add(protocol); });
         menu.exec(add_->mapToGlobal(QPoint(0, add_->height())));
     });
     fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), Spacing{px(6)}, list_, Share{add_, 0, Qt::AlignLeft}, Stretch{});
@@ -82,6 +99,33 @@ void SourceRows::addRow(std::size_t i) {
     connect(row.on, &Switch::clicked, this, [this, i] { inputs_.setOn(i, !inputs_.sources()[i].on); });
     auto* title = styled(new QLabel(protocol, row.all), "section");
     auto* called = styled(new QLabel(name.compare(protocol, Qt::CaseInsensitive) == 0 ? QString() : name, row.all), "muted");
+    auto* top = fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, called, Stretch{});
+    if (isOfDevices(source.protocol)) addDevice(row, i);
+    else addPort(row, i, *top);
+    if (source.name != protocolName(source.protocol)) {  // one that was added
+        auto* remove = new QToolButton(row.all);
+        remove->setProperty("small", true);
+        remove->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
+        remove->setIconSize(QSize(px(16), px(16)));
+        remove->setToolTip(tr("Remove this source"));
+        remove->setAccessibleName(tr("Remove %1", "a source").arg(name));
+        connect(remove, &QToolButton::clicked, this, [this, i] { QMetaObject::invokeMethod(this, [this, i] { inputs_.remove(i); }, Qt::QueuedConnection); });
+        top->addWidget(remove);
+    }
+    row.state = named(new QLabel(row.all), ("state-" + source.name).c_str());
+    row.state->setWordWrap(true);
+    row.state->setContentsMargins(row.on->sizeHint().width() + px(8), 0, 0, 0);
+    auto* all = fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, top);
+    if (row.device) fill(all, fill(new QHBoxLayout, Space{row.on->sizeHint().width() + px(8)}, Share{row.device, 1}));
+    all->addWidget(row.state);
+    list_->addWidget(row.all);
+    rows_.push_back(row);
+    names_.push_back(source.name);
+}
+
+void SourceRows::addPort(Row& row, std::size_t i, QHBoxLayout& top) {
+    const Source& source = inputs_.sources()[i];
+    const QString name = QString::fromStdString(source.name);
     auto* portName = styled(new QLabel(tr("Port"), row.all), "muted");
     row.port = named(new QLineEdit(row.all), ("port-" + source.name).c_str());
     row.port->setValidator(new QIntValidator(0, 65535, row.port));
@@ -99,24 +143,35 @@ void SourceRows::addRow(std::size_t i) {
     row.network->setIconSize(QSize(px(18), px(18)));
     row.network->setAccessibleName(tr("Other machines may send, too"));
     connect(row.network, &QToolButton::clicked, this, [this, i](bool checked) { inputs_.setNetwork(i, checked); });
-    auto* top = fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, called, Stretch{}, portName, row.port, row.network);
-    if (source.name != protocolName(source.protocol)) {  // one that was added
-        auto* remove = new QToolButton(row.all);
-        remove->setProperty("small", true);
-        remove->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
-        remove->setIconSize(QSize(px(16), px(16)));
-        remove->setToolTip(tr("Remove this source"));
-        remove->setAccessibleName(tr("Remove %1", "a source").arg(name));
-        connect(remove, &QToolButton::clicked, this, [this, i] { QMetaObject::invokeMethod(this, [this, i] { inputs_.remove(i); }, Qt::QueuedConnection); });
-        top->addWidget(remove);
+    for (QWidget* part : std::initializer_list<QWidget*>{portName, row.port, row.network}) top.addWidget(part);
+}
+
+void SourceRows::addDevice(Row& row, std::size_t i) {
+    const Source& source = inputs_.sources()[i];
+    row.device = named(new QComboBox(row.all), ("device-" + source.name).c_str());
+    row.device->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    row.device->setMinimumContentsLength(6);
+    row.device->setAccessibleName(tr("Device of %1", "a source").arg(QString::fromStdString(source.name)));
+    connect(row.device, &QComboBox::activated, this, [this, i, box = row.device](int chosen) { inputs_.setDevice(i, box->itemData(chosen).toString().toStdString()); });
+}
+
+/// The first one, those that are plugged in, and the one that is wanted where that is not.
+void SourceRows::fillDevices(QComboBox& box, const InputDeck::Source& source) {
+    QList<std::pair<QString, QString>> items{{tr("The first one"), QString()}};
+    bool there = source.device.empty();
+    for (const PluggedDevice& device : inputs_.devices(source.protocol)) {
+        const std::pair item(QString::fromStdString(device.name), QString::fromStdString(device.device));
+        if (!items.contains(item)) items << item;  // two alike are told apart by nothing
+        there = there || device.device == source.device;
     }
-    row.state = named(new QLabel(row.all), ("state-" + source.name).c_str());
-    row.state->setWordWrap(true);
-    row.state->setContentsMargins(row.on->sizeHint().width() + px(8), 0, 0, 0);
-    fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, top, row.state);
-    list_->addWidget(row.all);
-    rows_.push_back(row);
-    names_.push_back(source.name);
+    if (!there) items << std::pair(tr("%1 (not here)", "a device").arg(wantedText(source)), QString::fromStdString(source.device));
+    bool same = box.count() == items.size();
+    for (int i = 0; same && i < box.count(); ++i) same = box.itemText(i) == items[i].first && box.itemData(i).toString() == items[i].second;
+    if (!same) {
+        box.clear();
+        for (const auto& [name, device] : items) box.addItem(name, device);
+    }
+    box.setCurrentIndex(box.findData(QString::fromStdString(source.device)));
 }
 
 void SourceRows::follow() {
@@ -124,6 +179,10 @@ void SourceRows::follow() {
     if (sources.size() != rows_.size() || !std::equal(sources.begin(), sources.end(), names_.begin(), [](const Source& s, const std::string& name) { return s.name == name; })) return rebuild();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         rows_[i].on->setChecked(sources[i].on);
+        if (rows_[i].device) {
+            fillDevices(*rows_[i].device, sources[i]);
+            continue;
+        }
         if (!rows_[i].port->hasFocus()) rows_[i].port->setText(QString::number(sources[i].port));
         rows_[i].network->setChecked(sources[i].network);
         rows_[i].network->setToolTip(sources[i].network ? tr("Every machine that reaches this one may send. Click: programs on this machine alone.") : tr("Programs on this machine alone may send. Click: open the port to the network."));
@@ -135,7 +194,7 @@ void SourceRows::tell() {
     const auto& sources = inputs_.sources();
     for (std::size_t i = 0; i < rows_.size() && i < sources.size(); ++i) {
         QLabel* state = rows_[i].state;
-        const QString text = stateText(sources[i]);
+        const QString text = stateText(inputs_, sources[i]);
         const char* role = troubled(sources[i]) ? "warning" : "muted";
         if (state->property("role").toString() != QLatin1String(role)) {
             styled(state, role);

@@ -6,6 +6,8 @@
 
 #include "ui/models/input_deck.h"
 
+class QComboBox;
+class QHBoxLayout;
 class QLabel;
 class QLineEdit;
 class QPushButton;
@@ -16,7 +18,7 @@ namespace imomushi {
 
 class Switch;
 
-/// Who may send: a switch, a port, whether other machines may, and what came so far, for each source.
+/// Who may send: a switch, a port and whether other machines may, or a device, and what came so far, for each source.
 class SourceRows : public QWidget {
     Q_OBJECT
 public:
@@ -31,10 +33,14 @@ private:
         Switch* on = nullptr;
         QLineEdit* port = nullptr;
         QToolButton* network = nullptr;
+        QComboBox* device = nullptr;  // of devices in the place of both
         QLabel* state = nullptr;
     };
     void rebuild();
     void addRow(std::size_t source);
+    void addPort(Row& row, std::size_t source, QHBoxLayout& top);
+    void addDevice(Row& row, std::size_t source);
+    void fillDevices(QComboBox& box, const InputDeck::Source& source);
     void follow();
     void tell();
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/input/devices.h"
+
+#include "core/base/try.h"
+#include "core/input/pad_port.h"
+
+namespace imomushi {
+
+std::vector<PluggedDevice> pluggedDevices(InputProtocol protocol) {
+    std::vector<PluggedDevice> devices;
+    if (protocol == InputProtocol::Pad)
+        for (const PadId& pad : pluggedPads()) devices.push_back({pad.text(), pad.name});
+    return devices;
+}
+
+std::string deviceName(InputProtocol protocol, std::string_view wanted) { return std::string(protocol == InputProtocol::Pad ? PadId::nameIn(wanted) : wanted); }
+
+Result<std::unique_ptr<InputPort>> openDevice(InputProtocol, std::string_view wanted) {
+    IMOMUSHI_TRY(auto pad, PadPort::open(wanted));
+    return std::unique_ptr<InputPort>(std::move(pad));
+}
+
+}  // namespace imomushi

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace imomushi {
+
+/// Where the packets of a source come from: a port of the network, or a device that may be plugged in and out meanwhile.
+class InputPort {
+public:
+    virtual ~InputPort() = default;
+    /// The next packet, in `room`, and how long it is: longer than `room`, then it was cut. None waits: none.
+    virtual std::optional<std::size_t> take(std::span<std::byte> room) = 0;
+    /// Whoever sent what was taken last, told apart from others. A device is one alone.
+    [[nodiscard]] virtual std::uint64_t sender() const { return 0; }
+    /// To whoever sent what was taken last, where that is a program of this machine. False: it is not, or it was not sent.
+    virtual bool answer(std::span<const std::byte>) { return false; }
+    /// Name of the device that is heard now; empty: none is plugged in, or this is none.
+    [[nodiscard]] virtual std::string device() const { return {}; }
+    /// A file that is readable when a packet waits; -1: there is none, take() must be asked again and again.
+    [[nodiscard]] virtual int descriptor() const { return -1; }
+
+    /// Ports without a descriptor are asked so often.
+    static constexpr std::chrono::milliseconds kBetweenAsks{4};
+    /// Returns when one of the ports has a packet or must be asked, or at that time. At most 64 ports.
+    static void wait(std::span<const std::unique_ptr<InputPort>> ports, std::chrono::steady_clock::time_point until);
+};
+
+}  // namespace imomushi
