@@ -17,7 +17,7 @@ build_packages=(
     libeigen3-dev libassimp-dev libcgal-dev libopenblas-dev liblapacke-dev libsuitesparse-dev libtet1.5-dev libhwy-dev libxxhash-dev libsqlite3-dev
     libexpected-dev nlohmann-json3-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev
     # devices of live input
-    libsdl2-dev
+    libsdl2-dev librtmidi-dev
     # at run time: OpenGL without a graphics card or display, Qt's X11 and Wayland platforms, fonts for both languages
     libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland qt6-translations-l10n fonts-inter fonts-noto-cjk
 )

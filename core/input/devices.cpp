@@ -2,6 +2,7 @@
 #include "core/input/devices.h"
 
 #include "core/base/try.h"
+#include "core/input/midi_port.h"
 #include "core/input/pad_port.h"
 
 namespace imomushi {
@@ -10,12 +11,19 @@ std::vector<PluggedDevice> pluggedDevices(InputProtocol protocol) {
     std::vector<PluggedDevice> devices;
     if (protocol == InputProtocol::Pad)
         for (const PadId& pad : pluggedPads()) devices.push_back({pad.text(), pad.name});
+    if (protocol == InputProtocol::Midi)
+        if (const auto midi = MidiSystem::ofThisMachine())
+            for (const std::string& name : (*midi)->names()) devices.push_back({plainMidiName(name), plainMidiName(name)});
     return devices;
 }
 
 std::string deviceName(InputProtocol protocol, std::string_view wanted) { return std::string(protocol == InputProtocol::Pad ? PadId::nameIn(wanted) : wanted); }
 
-Result<std::unique_ptr<InputPort>> openDevice(InputProtocol, std::string_view wanted) {
+Result<std::unique_ptr<InputPort>> openDevice(InputProtocol protocol, std::string_view wanted) {
+    if (protocol == InputProtocol::Midi) {
+        IMOMUSHI_TRY(auto midi, MidiSystem::ofThisMachine());
+        return std::unique_ptr<InputPort>(std::make_unique<MidiPort>(std::move(midi), wanted));
+    }
     IMOMUSHI_TRY(auto pad, PadPort::open(wanted));
     return std::unique_ptr<InputPort>(std::move(pad));
 }

@@ -6,8 +6,9 @@
 //   pressure/C, key-pressure/C/N   0 ... 1
 //   bend/C          -1 ... 1
 //   program/C       0 ... 127
-// Clock and other messages of the system are ignored.
+// Clock and other messages of the system are ignored. Reset (0xFF), which MidiPort says where a device was plugged out, leaves all channels.
 #include <array>
+#include <set>
 #include <string>
 
 #include "core/input/decoders.h"
@@ -37,11 +38,17 @@ public:
 private:
     bool read(std::span<const std::byte> packet) override {
         next_ = state_;
+        saidNow_.clear();
+        left_ = false;
         for (const std::byte byte : packet)
             if (!take(std::to_integer<int>(byte))) return false;
         return true;
     }
-    void accept() override { state_ = next_; }
+    void accept() override {
+        state_ = next_;
+        if (left_) said_.clear();
+        said_.merge(saidNow_);
+    }
 
     /// How many bytes follow a status byte.
     static int dataOf(int status) {
@@ -50,6 +57,7 @@ private:
     }
 
     bool take(int byte) {
+        if (byte == 0xFF) return leave();
         if (byte >= 0xF8) {  // at any time, even within another message
             ignore();
             return true;
@@ -107,9 +115,26 @@ private:
         return say("cc14/" + std::to_string(channel + 1) + "/" + std::to_string(controller - 32), (first * 128.0 + value) / kMostOf14);
     }
 
-    bool say(const std::string& what, double value) { return add(what, std::span(&value, 1)); }
+    bool say(const std::string& what, double value) {
+        if (left_ || !said_.contains(what)) saidNow_.insert(what);
+        return add(what, std::span(&value, 1));
+    }
+
+    /// Nothing is known any more. Of more channels than a packet may have, the rest is heard again when it says something.
+    bool leave() {
+        if (said_.empty() && saidNow_.empty()) ignore();
+        for (const auto* said : {&said_, &saidNow_})
+            for (const std::string& what : *said)
+                if ((said == &said_ && left_) || !addGone(what)) break;
+        saidNow_.clear();
+        left_ = true;
+        next_ = {};
+        return true;
+    }
 
     MidiState state_, next_;
+    std::set<std::string> said_, saidNow_;  // channels, before and within the packet that is read
+    bool left_ = false;                     // within it
 };
 
 }  // namespace

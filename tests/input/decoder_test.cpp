@@ -242,6 +242,22 @@ TEST_CASE("pad: one that is plugged out leaves every channel that it said, and n
     CHECK(h.one("left-x") == 0.0);
 }
 
+TEST_CASE("midi: a device that is plugged out leaves every channel that it said, also what it said in the same packet") {
+    Heard h(InputProtocol::Midi);
+    h.hear(midi({0xB0, 7, 64, 0x90, 60, 100}));
+    CHECK(h.left.empty());
+    CHECK(h.hear(midi({0xB0, 8, 1, 0xFF})) == 4);
+    CHECK(h.left == std::set<std::string>{"cc/1/7", "cc/1/8", "note/1/60"});
+    h.left.clear();
+    CHECK(h.hear(midi({0xFF})) == 0);
+    CHECK(h.hear(midi({7, 1})) == 0);  // and its running status
+    CHECK(h.malformed() == 1);
+    CHECK(h.hear(midi({0xB0, 7, 1, 0xFF, 0xB0, 9, 1})) == 3);
+    CHECK(h.left == std::set<std::string>{"cc/1/7"});
+    CHECK(h.hear(midi({0xFF})) == 1);
+    CHECK(h.left == std::set<std::string>{"cc/1/7", "cc/1/9"});
+}
+
 TEST_CASE("decoders: of 400,000 packets that are random, or valid ones with a few bytes changed, only sound values come through") {
     std::mt19937 random(49);
     const std::vector<std::string> osc = {oscBytes("/hand", {1.0f, 2, std::string("abc")}), oscBundle({oscBytes("/a", {1.0f}), bone("Hips")}), bone("Spine"),
