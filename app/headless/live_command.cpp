@@ -75,7 +75,11 @@ Result<std::unique_ptr<InputPort>> portFor(const RawSource& source, const Json& 
             std::cerr << "Nothing is mapped to " << source.name << ": no device is opened for it\n" << std::flush;
             return std::unique_ptr<InputPort>(std::make_unique<SilentPort>());
         }
-        IMOMUSHI_TRY(auto port, openDevice(source.protocol, device));
+        auto port = openDevice(source.protocol, device);
+        if (!port) {
+            std::cerr << source.name << " is not heard: " << port.error().message << "\n" << std::flush;
+            return std::unique_ptr<InputPort>(std::make_unique<SilentPort>());
+        }
         std::cerr << "Listening to " << source.name << " on " << (device.empty() ? "the first device" : device) << "\n" << std::flush;
         return port;
     }
@@ -192,10 +196,10 @@ Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress
 void addLiveCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("live",
-                       "Performs the character by what game controllers and other programs send, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
-                       "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\"; \"/imomushi/list\" is answered by all of them. "
+                       "Performs the character by what devices and other programs say, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
+                       "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
-                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\",\"device\":its name or number (the first one),\"name\":...}: a game controller, opened while a mapping names its source, plugged in and out at any time."},
+                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\" or \"midi\",\"device\":its name or number (the first one),\"name\":...}: a game controller or a MIDI device, opened where a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
                         {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
                         {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."}},

@@ -14,17 +14,18 @@ namespace {
 constexpr const char* kLiveUsage =
     "Usage: imomushi live [OPTIONS] PROJECT.imomushi\n"
     "       imomushi replay [OPTIONS] RECORDING PROJECT.imomushi\n"
-    "Performs a project by what game controllers and other programs send, without a display, until Ctrl+C; or does again what was recorded.\n"
+    "Performs a project by what devices and other programs say, without a display, until Ctrl+C; or does again what was recorded.\n"
     "  --osc [NAME=]PORT   listens to OSC; --vmc [NAME=]PORT to the VMC protocol; both as often as wanted\n"
     "  --pad [NAME=]DEVICE  hears a game controller, by its name or number; any: the first one\n"
-    "                      (osc=9000, vmc=39539 and pad=any unless one is given)\n"
+    "  --midi [NAME=]DEVICE  the same of a MIDI device, by its name\n"
+    "                      (osc=9000, vmc=39539, pad=any and midi=any unless one is given)\n"
     "  --open              other machines may send, too\n"
     "  --seconds N         ends after this time\n"
     "  --record FILE       records what comes in, for replay\n"
     "  --mappings FILE     adds the mappings of a file\n"
     "  --take NAME         records a take\n"
     "  --save FILE         saves the project afterwards, as FILE.imomushi\n"
-    "The first six are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
+    "The first seven are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
 
 constexpr int kOscPort = 9000, kVmcPort = 39539;
 
@@ -71,7 +72,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             files.push_back(option);
             continue;
         }
-        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--seconds" || option == "--record";
+        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--midi" || option == "--seconds" || option == "--record";
         if (!(isLive && ofLive) && option != "--mappings" && option != "--take" && option != "--save") return refuse("there is no option " + option + ".");
         if (++i == arguments.size() || arguments[i].empty()) return refuse(option + " needs a value.");
         const std::string& value = arguments[i];
@@ -79,7 +80,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             const auto source = sourceFrom(option.substr(2), value);
             if (!source) return refuse(option + " needs a port, or NAME=PORT.");
             sources.push_back(*source);
-        } else if (option == "--pad") {
+        } else if (option == "--pad" || option == "--midi") {
             sources.push_back(deviceFrom(option.substr(2), value));
         } else if (option == "--seconds") {
             double seconds = 0.0;
@@ -94,7 +95,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
     }
     if (files.size() != (isLive ? 1u : 2u)) return refuse(isLive ? "name one project." : "name a recording and a project.");
     if (isLive) {
-        if (sources.empty()) sources = {*sourceFrom("osc", std::to_string(kOscPort)), *sourceFrom("vmc", std::to_string(kVmcPort)), deviceFrom("pad", kAnyDevice)};
+        if (sources.empty()) sources = {*sourceFrom("osc", std::to_string(kOscPort)), *sourceFrom("vmc", std::to_string(kVmcPort)), deviceFrom("pad", kAnyDevice), deviceFrom("midi", kAnyDevice)};
         perform["sources"] = sources;
     } else {
         perform["path"] = files[0];

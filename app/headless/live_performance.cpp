@@ -13,6 +13,13 @@ namespace imomushi {
 
 LivePerformance::LivePerformance(SessionAccess& access, std::vector<RawSource> sources, double seconds, InputDriver driver)
     : access_(&access), sources_(std::move(sources)), driver_(std::move(driver)), seconds_(seconds), known_(access.document().effects[EffectKind::Contact].elements) {
+    std::vector<std::size_t> places;
+    std::vector<InputRow> rows;
+    for (auto& [row, target] : triggerRows(access.document(), places)) {
+        rows.push_back(std::move(row));
+        happens_.push_back(target);
+    }
+    triggers_ = InputTriggers(std::move(rows));
     for (const RawSource& source : sources_) decoders_.push_back(makeInputDecoder(source.protocol, source.name));
 }
 
@@ -29,6 +36,9 @@ Result<LivePerformance> LivePerformance::begin(SessionAccess& access, std::vecto
 
 void LivePerformance::take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes, const std::function<void()>& asked) {
     decoders_[source]->decode(bytes, nanoseconds, [&](const InputValue& value) {
+        // Takes are played where somebody sees them.
+        for (const std::size_t row : triggers_.take(value))
+            if (happens_[row].kind == MappedTarget::Kind::LetGo) driver_.letGo();
         if (!driver_.take(value) && asked && value.channel.text() == InputListener::kListAddress) asked();
     });
 }
@@ -37,6 +47,8 @@ Result<void> LivePerformance::step(const Progress& progress) {
     LiveCharacter& live = access_->live;
     for (const LiveInput& input : driver_.step(seconds_)) {
         const auto known = std::find_if(driven_.begin(), driven_.end(), [&](const LiveInput& d) { return d.sameTarget(input); });
+        // Undo leads back to what a number was before.
+        if (input.isNumber() && known == driven_.end() && !std::exchange(changed_, true)) access_->beginStep();
         if (!live.apply(input)) {
             if (auto held = hold(input, progress); !held) return held;
         } else if (known == driven_.end()) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/commands/session_access.h"
+#include "core/input/input_triggers.h"
 #include "core/input/raw_inputs.h"
 #include "core/live/input_driver.h"
 
@@ -39,6 +40,8 @@ private:
     std::vector<RawSource> sources_;
     std::vector<std::unique_ptr<InputDecoder>> decoders_;
     InputDriver driver_;
+    InputTriggers triggers_;
+    std::vector<MappedTarget> happens_;  // by row of these
     double seconds_;
     std::size_t steps_ = 0;
     bool changed_ = false;           // a command was executed

@@ -6177,6 +6177,29 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <comment>morph targets of a character</comment>
             <translation>%1 の形</translation>
         </message>
+        <message>
+            <source>Play “%1”</source>
+            <comment>a take</comment>
+            <translation>「%1」を再生する</translation>
+        </message>
+        <message>
+            <source>Stop “%1”</source>
+            <comment>a take</comment>
+            <translation>「%1」を止める</translation>
+        </message>
+        <message>
+            <source>%1 %2</source>
+            <comment>a setting of an effect, X, Y or Z</comment>
+            <translation>%1 %2</translation>
+        </message>
+        <message>
+            <source>Let everything go</source>
+            <translation>すべて放す</translation>
+        </message>
+        <message>
+            <source>Triggers</source>
+            <translation>トリガー</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::LearnBar</name>
@@ -6294,12 +6317,12 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>入力が動かしているものはすべて、なめらかに静止の姿へ戻ります。「続ける」まで、入力は何も動かしません。</translation>
         </message>
         <message>
-            <source>Plug: plug in a game controller, or switch on a source on the left and let a program send to its port.</source>
-            <translation>つなぐ：ゲームコントローラーをつなぐか、左で送り手をオンにして、プログラムからそのポートへ送ってください。</translation>
-        </message>
-        <message>
             <source>Plug: nothing has come yet. On the left is what is waited for.</source>
             <translation>つなぐ：まだ何も届いていません。何を待っているかは左にあります。</translation>
+        </message>
+        <message>
+            <source>Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port.</source>
+            <translation>つなぐ：ゲームコントローラーか MIDI 機器をつなぐか、左で送り手をオンにして、プログラムからそのポートへ送ってください。</translation>
         </message>
     </context>
     <context>
@@ -6573,6 +6596,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>%1 (not here)</source>
             <comment>a device</comment>
             <translation>%1（ありません）</translation>
+        </message>
+        <message>
+            <source>a MIDI device</source>
+            <translation>MIDI 機器</translation>
         </message>
     </context>
 </TS>

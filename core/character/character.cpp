@@ -122,6 +122,7 @@ void Character::shift(const Pose& pose) {
 void Character::stop() { state_->frame.stopped = true; }
 
 void Character::tune(const CharacterEffects& effects) { state_->jobs.tune(effects); }
+void Character::tune(const EffectSettings& settings) { state_->jobs.tune(settings); }
 
 FrameJobs& Character::jobs() { return state_->jobs; }
 

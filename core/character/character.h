@@ -123,6 +123,8 @@ public:
 
     /// New numbers for the effects that it has; others are ignored. Seen in the next update().
     void tune(const CharacterEffects& effects);
+    /// See FrameJobs::tune().
+    void tune(const EffectSettings& settings);
     [[nodiscard]] FrameJobs& jobs();
     [[nodiscard]] const FrameJobs& jobs() const;
     /// The job of one of its effects, for what that takes and tells besides settings; null: it has none. It stays while the character does.

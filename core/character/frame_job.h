@@ -175,8 +175,12 @@ public:
     void tune(const CharacterEffects& effects) {
         for (const auto& settings : effects) {
             if (!settings->validate()) continue;
-            for (const auto& job : all_) job->tune(*settings);
+            tune(*settings);
         }
+    }
+    /// Of one effect, whose numbers are within their ranges. Takes no memory where it acts on the same elements.
+    void tune(const EffectSettings& settings) {
+        for (const auto& job : all_) job->tune(settings);
     }
     [[nodiscard]] bool resting(const Frame& frame) const {
         for (const auto& job : all_)

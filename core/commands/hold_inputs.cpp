@@ -5,6 +5,7 @@
 
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
+#include "core/document/morph_weights.h"
 #include "core/document/names.h"
 
 namespace imomushi {
@@ -14,6 +15,12 @@ namespace {
 Json turnJson(const Eigen::Quaterniond& q) { return Json::array({q.x(), q.y(), q.z(), q.w()}); }
 
 const std::string& handleName(const Session& session, const LiveInput& input) { return session.plan().handles[static_cast<std::size_t>(input.handle)].face; }
+
+/// What a number is now.
+double numberOf(const Document& document, const LiveInput& input) {
+    if (input.kind == LiveInput::Kind::Effect) return document.effects[input.effect].values[static_cast<std::size_t>(input.value)];
+    return morphWeight(document, *document.characters.at(input.morph.character), input.morph.target);
+}
 
 }  // namespace
 
@@ -35,7 +42,11 @@ Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const Liv
             made.command["endpoint"] = endpointText(session.document(), input.end);
             break;
         }
-        case LiveInput::Kind::Morph: return std::optional<TakingHold>();
+        case LiveInput::Kind::Morph:
+        case LiveInput::Kind::Effect:
+            made.held.weight = numberOf(session.document(), input);
+            made.command = leavingOf(session, made.held);
+            return std::optional(std::move(made));
     }
     made.command["to"] = json(made.held.target);
     return std::optional(std::move(made));
@@ -54,6 +65,16 @@ Json leavingOf(const Session& session, const LiveInput& input) {
     if (input.kind == LiveInput::Kind::Morph) {
         const CharacterSource& character = *document.characters.at(input.morph.character);
         return {{"do", "morph"}, {"character", character.name}, {"target", character.model->morphs[static_cast<std::size_t>(input.morph.target)].name}, {"weight", input.weight}};
+    }
+    if (input.kind == LiveInput::Kind::Effect) {
+        const auto& [property, first] = propertyOf(input);
+        Json value = input.weight;
+        if (property.size == 3) {
+            Vec3 now = document.effects.vector(input.effect, property.name);
+            now[input.value - first] = input.weight;
+            value = json(now);
+        }
+        return {{"do", "set"}, {"target", effectName(input.effect)}, {"property", property.name}, {"value", value}};
     }
     Json command{{"do", "drag"}, {"endpoint", input.kind == LiveInput::Kind::Handle ? handleName(session, input) : endpointText(document, input.end)}, {"to", json(input.target)}};
     if (input.kind == LiveInput::Kind::Handle)

@@ -103,10 +103,10 @@ void addMappingCommands(CommandRegistry& registry) {
     registry.addChange("map-input",
                        "Lets a number of live input drive a number of the character, or changes how it does: a row of the table of mappings. Of rows with one target the first one wins that is heard. "
                        "A line is known by source, channel, component and target; of one that is there, keys left out stay as they are.",
-                       {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", or another name."},
+                       {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", \"pad\", \"midi\", or another name."},
                         {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad."},
                         {"component", Type::Integer, false, "Which number of the channel, from 0 (0)."},
-                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight)."},
+                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight), \"effect/NAME/PROPERTY\" (in its unit; of a vector \"effect/NAME/PROPERTY/x\", y, z). Or what it lets happen when it passes the middle of its range: \"take/NAME/play\", \"take/NAME/stop\" (in the studio), \"trigger/let-go\" (everything that inputs move glides to rest)."},
                         {"in", Type::Array, false, "The range of the control [low, high] ([0,1]); values beyond are at its ends. One that has 0 within has its middle there."},
                         {"out", Type::Array, false, "What the ends become, in the unit of the target (as \"in\"); the first may be the larger one."},
                         {"exponent", Type::Number, false, "Of the curve, 1/16 to 16: 1 straight, more is finer near the beginning or the middle (1)."},

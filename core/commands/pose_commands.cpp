@@ -12,6 +12,7 @@
 #include "core/commands/meetings.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/document/input_mapping.h"
 #include "core/document/morph_weights.h"
 #include "core/live/live_input.h"
 #include "core/touch/touch_contact.h"
@@ -272,18 +273,33 @@ Result<std::vector<StepInput>> stepInputs(const Json& list, int frames, const Do
     for (const Json& given : list) {
         if (!given.is_object()) return fail("bad-type", "An input is an object: {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}.");
         StepInput made;
-        const bool isMorph = given.contains("morph");
-        const std::initializer_list<std::string_view> ofMorph = {"frame", "character", "morph", "weight"}, ofPlace = {"frame", "endpoint", "to", "roll", "rotation"};
-        const auto& known = isMorph ? ofMorph : ofPlace;
+        const bool isMorph = given.contains("morph"), isEffect = given.contains("effect");
+        const std::initializer_list<std::string_view> ofEffect = {"frame", "effect", "property", "axis", "value"}, ofMorph = {"frame", "character", "morph", "weight"}, ofPlace = {"frame", "endpoint", "to", "roll", "rotation"};
+        const auto& known = isEffect ? ofEffect : isMorph ? ofMorph : ofPlace;
         for (const auto& [key, value] : given.items())
             if (std::find(known.begin(), known.end(), key) == known.end()) return fail("unknown-key", "An input has no \"" + key + "\".");
         if (isMorph && !(given.contains("frame") && given.contains("weight") && given["morph"].is_string() && given.contains("character") && given["character"].is_string()))
             return fail("bad-type", "An input of a morph target needs \"frame\", \"character\", \"morph\" and \"weight\".");
-        if (!isMorph && !(given.contains("frame") && given.contains("to") && given.contains("endpoint") && given["endpoint"].is_string()))
+        if (isEffect && !(given.contains("frame") && given.contains("value") && given["effect"].is_string() && given.contains("property") && given["property"].is_string()))
+            return fail("bad-type", "An input of an effect needs \"frame\", \"effect\", \"property\" and \"value\".");
+        if (!isMorph && !isEffect && !(given.contains("frame") && given.contains("to") && given.contains("endpoint") && given["endpoint"].is_string()))
             return fail("bad-type", "An input needs \"frame\", \"endpoint\" and \"to\".");
         IMOMUSHI_TRY(const auto frame, numberWithin(given["frame"], "frame", 0, frames - 1));
         made.frame = static_cast<int>(frame);
         if (!inputs.empty() && made.frame < inputs.back().frame) return fail("bad-value", "Inputs come in the order of their frames.");
+        if (isEffect) {
+            double axis = 0.0;
+            if (auto ok = readNumber(given, "axis", 0, 2, axis); !ok) return tl::unexpected(ok.error());
+            const std::string target = "effect/" + text(given, "effect") + "/" + text(given, "property") + (given.contains("axis") ? std::string("/") + "xyz"[static_cast<int>(axis)] : "");
+            IMOMUSHI_TRY(const auto driven, mappedTarget(document, target));
+            made.input.kind = LiveInput::Kind::Effect;
+            made.input.effect = driven.effect;
+            made.input.value = driven.value;
+            const EffectProperty& property = propertyOf(made.input).first;
+            IMOMUSHI_TRY(made.input.weight, numberWithin(given["value"], "value", property.low, property.high));
+            inputs.push_back(made);
+            continue;
+        }
         if (isMorph) {
             made.input.kind = LiveInput::Kind::Morph;
             IMOMUSHI_TRY(made.input.morph, morphOf(document, text(given, "character"), text(given, "morph")));
@@ -424,7 +440,7 @@ void addPoseCommands(CommandRegistry& registry) {
     registry.addAction("step",
                        "Performs frames: glides, poses, deformation.",
                        {{"frames", Type::Integer, true, "How many, from 1."}, {"dt", Type::Any, false, "Seconds from frame to frame (1/60), up to 10: a number, or one for each frame."},
-                        {"inputs", Type::Array, false, "Where what is held already goes before a frame, as a hand or a device gave it: objects {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}, for an endpoint with \"roll\", for a handle with \"rotation\"; or {\"frame\":0,\"character\":name,\"morph\":target,\"weight\":w}; frames from 0 and ascending."}},
+                        {"inputs", Type::Array, false, "Where what is held already goes before a frame, as a hand or a device gave it: objects {\"frame\":0,\"endpoint\":\"bone/end\",\"to\":[x,y,z]}, for an endpoint with \"roll\", for a handle with \"rotation\"; or {\"frame\":0,\"character\":name,\"morph\":target,\"weight\":w}, or {\"frame\":0,\"effect\":name,\"property\":name,\"value\":number}, of a vector with \"axis\" 0, 1 or 2; frames from 0 and ascending."}},
                        step);
 }
 

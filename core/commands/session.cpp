@@ -371,6 +371,8 @@ Result<bool> Session::holdInputs() {
         IMOMUSHI_TRY(const auto hold, takingHoldOf(*this, *refused));
         if (!hold) continue;
         if (auto done = execute(hold->command); !done) return tl::unexpected(done.error());
+        if (refused->kind == LiveInput::Kind::Morph) history_.passesOn(refused->morph);
+        if (refused->kind == LiveInput::Kind::Effect) history_.effectsPassOn();
         held = true;
         feed = performer_->feed();
         if (feed) (void)feed->hold(hold->held);
@@ -448,6 +450,7 @@ Result<bool> SessionAccess::undo(int count) {
     }
     const Document before = session.document();
     if (auto ok = session.history_.undo(count); !ok) return tl::unexpected(ok.error());
+    if (InputFeed* feed = session.performer_ ? session.performer_->feed() : nullptr) feed->forgetNumbers();
     session.historyMoved_ = true;
     live.followExchange(before);
     return true;

@@ -117,7 +117,7 @@ public:
     bool performInputs(std::shared_ptr<InputFeed> feed);
     /// Live input moves something that nobody holds: holdInputs() is due.
     [[nodiscard]] bool inputsWait() const;
-    /// Takes hold, by commands, of what live input moves and nobody holds. True: of something. Errors: those of "drag".
+    /// Takes hold, by commands, of what live input moves and nobody holds. Undo of these leads back to what it was before. True: of something. Errors: those of "drag", "morph" and "set".
     Result<bool> holdInputs();
     /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
     bool takeFrame();

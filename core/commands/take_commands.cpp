@@ -6,6 +6,7 @@
 #include "core/commands/document_edit.h"
 #include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/document/input_mapping.h"
 #include "core/document/names.h"
 
 namespace imomushi {
@@ -83,7 +84,9 @@ Result<Json> renameTake(DocumentEdit& edit, const Json& arguments, const Progres
     const std::string& name = text(arguments, "name");
     if (name == take->name) return Json::object();
     if (auto ok = checkTakeName(edit.document, name); !ok) return tl::unexpected(ok.error());
+    const std::string before = take->name;
     exchangePart(edit.document.takes, take->id, [&](Take& t) { t.name = name; });
+    renameMapped(edit.document, "take", before, name);
     return Json::object();
 }
 

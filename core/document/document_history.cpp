@@ -41,6 +41,12 @@ std::vector<Json> withoutLeftovers(const std::vector<Json>& all) {
     return kept;
 }
 
+/// A change has this weight as it is in a document.
+void keepMorph(DocumentChange& change, const MorphRef& morph, const Document& before) {
+    const auto known = before.morphs.find(morph);
+    change.morphs.try_emplace(morph, known == before.morphs.end() ? std::nullopt : std::optional(known->second));
+}
+
 std::string textOf(const Json& line) { return line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
 
 std::string countText(int count, const char* none, const char* verb) {
@@ -80,7 +86,7 @@ void DocumentHistory::addStep(Step step, Document after, const std::vector<Json>
     std::optional<Entry> until;
     const bool empty = gesture_ && gesture_->step.name.empty();
     if (gesture_) {
-        rest = Gesture{after, {}, {}};
+        rest = Gesture{after, {}, {}, {}, false};
         if (Lines* last = empty ? lastLines(false) : nullptr) last->reserve(last->size() + gesture_->lines.size());
         if (!empty) until = entryOf(gesture_->before, document_, {});
     }
@@ -175,7 +181,17 @@ Result<void> DocumentHistory::redo(int count) {
 
 void DocumentHistory::beginGesture() {
     flushFrames();
-    gesture_ = Gesture{document_, {}, {}};
+    gesture_ = Gesture{document_, {}, {}, {}, false};
+}
+
+void DocumentHistory::passesOn(const MorphRef& morph) {
+    if (gesture_) gesture_->morphs.insert(morph);
+    else if (position_ > 0) keepMorph(entries_[static_cast<std::size_t>(position_ - 1)].change, morph, document_);
+}
+
+void DocumentHistory::effectsPassOn() {
+    if (gesture_) gesture_->effects = true;
+    else if (position_ > 0 && !entries_[static_cast<std::size_t>(position_ - 1)].change.effects) entries_[static_cast<std::size_t>(position_ - 1)].change.effects = document_.effects;
 }
 
 bool DocumentHistory::endGesture(Step named) {
@@ -187,6 +203,8 @@ bool DocumentHistory::endGesture(Step named) {
         return false;
     }
     Entry entry = entryOf(gesture_->before, document_, {});
+    for (const MorphRef& morph : gesture_->morphs) keepMorph(entry.change, morph, gesture_->before);
+    if (gesture_->effects && !entry.change.effects) entry.change.effects = gesture_->before.effects;
     makeRoom(1);
     entry.lines = std::move(gesture_->lines);
     Step step = std::move(named.name.empty() ? gesture_->step : named);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,10 @@ public:
 
     /// What passes with time is no step: the pose, glides, and flesh that meets.
     Document& passing() { return document_; }
+
+    /// A weight, or the numbers of effects, that was changed last goes on changing as time passes: undo of that change leads back to what it was before, whether it was another one or not.
+    void passesOn(const MorphRef& morph);
+    void effectsPassOn();
 
     // ---- undo and redo: `count` steps at once
     /// Errors: "nothing-to-undo"; then nothing changes.
@@ -96,6 +101,8 @@ private:
         Document before;
         Lines lines;
         Step step;  ///< without a name: nothing was committed
+        std::set<MorphRef> morphs;  ///< that pass on
+        bool effects = false;
     };
     /// A step that led from one document to the other.
     [[nodiscard]] static Entry entryOf(const Document& before, const Document& after, Lines lines);

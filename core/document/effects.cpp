@@ -140,6 +140,16 @@ bool sameOnCharacter(const Effects& a, const Effects& b) {
     return true;
 }
 
+void readNumbers(const Effects& effects, EffectKind kind, EffectSettings& settings) {
+    effects.read(kind, settings);
+    // What waits has few elements that could be pressed in: the ground holds all of them by bones alone.
+    if (kind != EffectKind::Contact || settings.automatic || !effects.has(EffectKind::Ground)) return;
+    auto& contact = static_cast<ContactEffect&>(settings);
+    const auto ground = effects.settings<GroundEffect>(EffectKind::Ground);
+    contact.ground = ground.plane();
+    contact.groundFriction = ground.friction;
+}
+
 CharacterEffects characterEffects(const Document& document) {
     CharacterEffects made;
     for (const EffectDescriptor& d : kTable) {
@@ -147,13 +157,7 @@ CharacterEffects characterEffects(const Document& document) {
         auto settings = document.effects.settings(d.kind);
         if (!document.effects[d.kind].elements.empty() || waitsToMeet(document.effects, d.kind))
             for (const auto& [id, element] : document.elements) settings->elements.push_back(document.effects.has(d.kind, id));
-        // What waits has few elements that could be pressed in: the ground holds all of them by bones alone.
-        if (d.kind == EffectKind::Contact && !settings->automatic && document.effects.has(EffectKind::Ground)) {
-            auto& contact = static_cast<ContactEffect&>(*settings);
-            const auto ground = document.effects.settings<GroundEffect>(EffectKind::Ground);
-            contact.ground = ground.plane();
-            contact.groundFriction = ground.friction;
-        }
+        readNumbers(document.effects, d.kind, *settings);
         made.set(std::move(settings));
     }
     return made;
@@ -168,15 +172,18 @@ Effects::Effects() {
 }
 
 std::shared_ptr<EffectSettings> Effects::settings(EffectKind kind) const {
-    const EffectDescriptor& d = effectDescriptor(kind);
-    auto settings = d.settings();
-    settings->automatic = (*this)[kind].automatic;
+    auto settings = effectDescriptor(kind).settings();
+    read(kind, *settings);
+    return settings;
+}
+
+void Effects::read(EffectKind kind, EffectSettings& settings) const {
+    settings.automatic = (*this)[kind].automatic;
     const double* value = (*this)[kind].values.data();
-    for (const EffectProperty& p : d.properties) {
-        std::copy_n(value, p.size, p.at(*settings));
+    for (const EffectProperty& p : effectDescriptor(kind).properties) {
+        std::copy_n(value, p.size, p.at(settings));
         value += p.size;
     }
-    return settings;
 }
 
 bool Effects::has(EffectKind kind, PartId element) const {

@@ -52,11 +52,15 @@ public:
     [[nodiscard]] Vec3 vector(EffectKind kind, std::string_view property) const;
     /// All numbers of an effect, as those who act on them know them.
     [[nodiscard]] std::shared_ptr<EffectSettings> settings(EffectKind kind) const;
-    /// `T`: the settings of `kind`.
+    /// `T`: the settings of `kind`. Takes no memory.
     template <class T>
     [[nodiscard]] T settings(EffectKind kind) const {
-        return *settingsAs<T>(*settings(kind));
+        T made;
+        read(kind, made);
+        return made;
     }
+    /// The same numbers into settings of `kind`.
+    void read(EffectKind kind, EffectSettings& settings) const;
     /// Where the values of a property begin in Effect::values, -1: there is no such property.
     static int valueOffset(EffectKind kind, std::string_view property);
 
@@ -124,5 +128,7 @@ EffectColumns columnsOf(const Effects& effects, EffectKind kind);
 bool sameOnCharacter(const Effects& a, const Effects& b);
 /// The effects of a document that act on elements and joints, by their numbers.
 CharacterEffects characterEffects(const Document& document);
+/// Settings of one of these effects get the numbers that it has now. Takes no memory.
+void readNumbers(const Effects& effects, EffectKind kind, EffectSettings& settings);
 
 }  // namespace imomushi

@@ -45,9 +45,15 @@ std::optional<TargetParts> partsOf(std::string_view text) {
     const auto [kind, path] = divided(text);
     const auto [name, rest] = divided(path);
     made.name = name;
-    if (name.empty() || rest.empty()) return std::nullopt;
-    if (kind == "morph") {
+    if (name.empty() || (rest.empty() && kind != "trigger")) return std::nullopt;
+    if (kind == "morph" || kind == "effect") {
+        made.target.kind = kind == "morph" ? Kind::Morph : Kind::Effect;
         made.part = rest;
+        return made;
+    }
+    if (kind == "take" || kind == "trigger") {
+        if (kind == "trigger" ? name != "let-go" || !rest.empty() : rest != "play" && rest != "stop") return std::nullopt;
+        made.target.kind = kind == "trigger" ? Kind::LetGo : rest == "play" ? Kind::PlayTake : Kind::StopTake;
         return made;
     }
     std::string_view number = rest;
@@ -73,7 +79,7 @@ std::optional<TargetParts> partsOf(std::string_view text) {
 }
 
 tl::unexpected<Error> badTarget(std::string_view text) {
-    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z) or \"morph/CHARACTER/NAME\".");
+    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z), \"morph/CHARACTER/NAME\", \"effect/NAME/PROPERTY\", \"take/NAME/play\" (stop) or \"trigger/let-go\".");
 }
 
 tl::unexpected<Error> tooMany() { return fail("too-many-mappings", "A table has at most " + std::to_string(InputMapping::kMost) + " mappings: remove some first."); }
@@ -106,6 +112,23 @@ Result<void> readFlag(const Json& value, const char* key, bool& to) {
 /// What a target may become, in its unit.
 double largestOf(const MappedTarget& target) { return target.kind == MappedTarget::Kind::Morph ? kLargestMorphWeight : kMaxCoordinate / 4.0; }
 
+/// "swing-hertz", "acceleration/y". Errors: "no-such-effect", "no-such-property", "bad-value".
+Result<void> readEffect(std::string_view name, std::string_view part, MappedTarget& target) {
+    const auto kind = effectNamed(name);
+    if (!kind) return fail("no-such-effect", "There is no effect \"" + std::string(name) + "\".");
+    const auto [property, axis] = divided(part);
+    for (const EffectProperty& p : effectProperties(*kind)) {
+        if (p.name != property) continue;
+        if (p.rebuilds) return fail("bad-value", "\"" + std::string(part) + "\" cannot be driven: the character is solved anew for it. Set it by hand.");
+        const int at = p.size == 1 ? (axis.empty() ? 0 : -1) : indexIn(kPlaces, axis);
+        if (at < 0) return fail("bad-value", "\"" + std::string(property) + "\" is " + (p.size == 1 ? "one number: name no axis of it." : "a vector: name an axis of it, such as \"" + std::string(property) + "/y\"."));
+        target.effect = *kind;
+        target.value = Effects::valueOffset(*kind, property) + at;
+        return {};
+    }
+    return fail("no-such-property", "The effect \"" + std::string(name) + "\" has no property \"" + std::string(property) + "\".");
+}
+
 }  // namespace
 
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view text) {
@@ -115,6 +138,14 @@ Result<MappedTarget> mappedTarget(const Document& document, std::string_view tex
     using Kind = MappedTarget::Kind;
     if (made.kind == Kind::Morph) {
         IMOMUSHI_TRY(made.morph, morphOf(document, parts->name, parts->part));
+    } else if (made.kind == Kind::Effect) {
+        if (auto ok = readEffect(parts->name, parts->part, made); !ok) return tl::unexpected(ok.error());
+    } else if (made.kind == Kind::PlayTake || made.kind == Kind::StopTake) {
+        const Take* take = document.takeNamed(std::string(parts->name));
+        if (!take) return fail("no-such-take", "There is no take \"" + std::string(parts->name) + "\".");
+        made.take = take->id;
+    } else if (made.kind == Kind::LetGo) {
+        return made;
     } else if (made.kind == Kind::HandlePlace || made.kind == Kind::HandleTurn) {
         IMOMUSHI_TRY(made.handle, handleNamed(document, parts->name));
     } else {

@@ -24,16 +24,22 @@ struct InputMapping {
     [[nodiscard]] bool sameLine(const InputMapping& o) const { return row.source == o.row.source && row.channel == o.row.channel && row.component == o.row.component && target == o.target; }
 };
 
-/// One number of a character that can be driven, 0 at rest but for morph targets.
+/// What can be driven: one number of a character, 0 at rest but for morph targets and effects; or a trigger.
 struct MappedTarget {
-    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph } kind = Kind::Morph;
+    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph, Effect, PlayTake, StopTake, LetGo } kind = Kind::Morph;
     int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, in the axes of the world at rest): 0 x, 1 y, 2 z
     FaceRef handle;
     EndpointRef end;     ///< of a bone that is turned, its end
     MorphRef morph;
+    EffectKind effect = EffectKind::kCount;
+    int value = 0;       ///< in Effect::values
+    PartId take = 0;
+    /// It happens when its control says more than the middle of what it becomes (the row's "out"), and does not stay.
+    [[nodiscard]] bool isTrigger() const { return kind == Kind::PlayTake || kind == Kind::StopTake || kind == Kind::LetGo; }
 };
 
-/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME". Errors: "bad-value", and of names those of handleNamed(), Document::endpoint() and morphOf().
+/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
+/// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", and of names those of handleNamed(), Document::endpoint() and morphOf().
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
 
 /// As commands, projects and files of mappings write a row; all keys but source, channel and target may be left out. Errors: "bad-type", "bad-value", "missing-key", "unknown-key".

@@ -79,6 +79,20 @@ void HearingThread::learn(bool on) {
     learner_ = on ? std::make_unique<ControlLearner>() : nullptr;
 }
 
+void HearingThread::triggers(std::vector<InputRow> rows, std::function<void(std::size_t)> happened) {
+    const std::lock_guard lock(mutex_);
+    // A button that is pressed has happened.
+    if (rows != triggers_.rows()) triggers_ = InputTriggers(std::move(rows));
+    happened_ = std::move(happened);
+}
+
+std::vector<InputMeter> HearingThread::triggerMeters() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<InputMeter> meters;
+    for (std::size_t i = 0; i < triggers_.rows().size(); ++i) meters.push_back(triggers_.meter(i));
+    return meters;
+}
+
 std::optional<ControlLearner::Found> HearingThread::learned() const {
     const std::lock_guard lock(mutex_);
     return learner_ ? learner_->found(now()) : std::nullopt;
@@ -141,6 +155,8 @@ void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<
         if (value.gone) last_.erase(name);
         else if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
     }
+    for (const InputValue& value : values_)
+        for (const std::size_t row : triggers_.take(value)) happened_(row);
     if (learner_)
         for (const InputValue& value : values_) learner_->hear(value);
     if (feed_ && !held_ && !values_.empty() && !feed_->give(values_)) ++source.lost;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "core/input/control_learner.h"
 #include "core/input/input_listener.h"
+#include "core/input/input_triggers.h"
 #include "core/input/raw_inputs.h"
 #include "core/input/udp_port.h"
 
@@ -56,6 +58,10 @@ public:
     void hold(bool held);
     /// From now on the control that moves is looked for; false: no more.
     void learn(bool on);
+    /// Rows that let something happen: `happened` is called with the place of one, on the thread that hears; it must return at once and not throw. The same rows go on as they are.
+    void triggers(std::vector<InputRow> rows, std::function<void(std::size_t)> happened);
+    /// Of each of these rows.
+    [[nodiscard]] std::vector<InputMeter> triggerMeters() const;
     /// None: nothing has moved, or nobody learns.
     [[nodiscard]] std::optional<ControlLearner::Found> learned() const;
 
@@ -86,6 +92,8 @@ private:
     std::vector<std::string> names_;
     std::unordered_map<std::uint64_t, InputValue> last_;  // of each channel, by a hash of source and name
     bool held_ = false;
+    InputTriggers triggers_;
+    std::function<void(std::size_t)> happened_;
     std::unique_ptr<ControlLearner> learner_;
     std::vector<InputValue> values_;  // of the packet that is read
     const InputListener::Clock::time_point start_ = InputListener::Clock::now();

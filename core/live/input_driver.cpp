@@ -2,6 +2,7 @@
 #include "core/live/input_driver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -30,10 +31,8 @@ std::size_t slotOf(const MappedTarget& target) {
         case Kind::EndPlace: return static_cast<std::size_t>(target.axis);
         case Kind::HandleTurn: return static_cast<std::size_t>(3 + target.axis);
         case Kind::EndRoll: return 3;
-        case Kind::BoneTurn:
-        case Kind::Morph: return 0;
+        default: return 0;
     }
-    return 0;
 }
 
 /// A control that says the number itself, within these bounds, and not how far it is from `rest`.
@@ -42,6 +41,22 @@ ResponseCurve direct(double rest, double bound) {
     curve.inLow = -bound, curve.inHigh = bound;
     curve.outLow = -bound - rest, curve.outHigh = bound - rest;
     return curve;
+}
+
+/// A row, muted where others are solo.
+InputRow heardRow(const InputMapping& mapping, bool solo) {
+    InputRow row = mapping.row;
+    row.muted = row.muted || (!mapping.solo && solo);
+    return row;
+}
+
+bool anySolo(const Document& document) { return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; }); }
+
+/// The number of an effect within the bounds of its property.
+double withinProperty(const LiveInput& input) {
+    const EffectProperty& p = propertyOf(input).first;
+    const double value = std::clamp(input.weight, p.low, p.high);
+    return p.whole ? std::round(value) : value;
 }
 
 }  // namespace
@@ -56,7 +71,7 @@ struct InputDriver::Tables {
     std::vector<InputRow> rows;
     std::vector<int> rowOf;  // of each mapping
     std::vector<double> shown, rest;
-    const bool solo = document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; });  // of any row
+    const bool solo = anySolo(document);  // of any row
 
     /// Null: the character has no such thing.
     Driven* find(const MappedTarget& target) {
@@ -66,6 +81,11 @@ struct InputDriver::Tables {
             input.kind = LiveInput::Kind::Morph;
             input.morph = target.morph;
             input.weight = morphWeight(document, *document.characters.at(target.morph.character), target.morph.target);
+        } else if (target.kind == Kind::Effect) {
+            input.kind = LiveInput::Kind::Effect;
+            input.effect = target.effect;
+            input.value = target.value;
+            input.weight = document.effects[target.effect].values[static_cast<std::size_t>(target.value)];
         } else if (target.kind == Kind::HandlePlace || target.kind == Kind::HandleTurn) {
             input.kind = LiveInput::Kind::Handle;
             input.handle = plan.handleIndex(target.handle);
@@ -157,9 +177,10 @@ struct InputDriver::Tables {
                 case Kind::HandleTurn: shown.push_back(thing->turn[axis]); break;
                 case Kind::EndRoll: shown.push_back(thing->input.roll); break;
                 case Kind::BoneTurn: shown.push_back(bone->turn[axis]); break;
-                case Kind::Morph: shown.push_back(thing->input.weight); break;
+                default: shown.push_back(thing->input.weight); break;
             }
-            rest.push_back(target.kind == Kind::Morph ? document.characters.at(target.morph.character)->model->morphs[static_cast<std::size_t>(target.morph.target)].atRest : 0.0);
+            // An effect rests where it was before.
+            rest.push_back(target.kind == Kind::Effect ? thing->input.weight : target.kind == Kind::Morph ? document.characters.at(target.morph.character)->model->morphs[static_cast<std::size_t>(target.morph.target)].atRest : 0.0);
         }
         row.slot = slot;
         rows.push_back(std::move(row));
@@ -175,11 +196,10 @@ struct InputDriver::Tables {
         for (const InputMapping& mapping : *document.mappings) {
             rowOf.push_back(-1);
             const auto target = mappedTarget(document, mapping.target);
-            if (!target) continue;
-            InputRow row = mapping.row;
-            row.muted = row.muted || (!mapping.solo && solo);
+            if (!target || target->isTrigger()) continue;
+            const InputRow row = heardRow(mapping, solo);
             const std::size_t before = rows.size();
-            add(std::move(row), *target);
+            add(row, *target);
             if (rows.size() > before) rowOf.back() = static_cast<int>(before);
         }
     }
@@ -193,7 +213,7 @@ struct InputDriver::Tables {
                 row.channel = name.address;
                 row.component = i;
                 row.muted = solo;
-                row.curve = target.kind == Kind::Morph ? direct(0.0, kLargestMorphWeight)
+                row.curve = target.kind == Kind::Morph ? direct(0.0, kLargestMorphWeight) : target.kind == Kind::Effect ? direct(0.0, kFarthestDirect)
                             : target.kind == Kind::HandleTurn || target.kind == Kind::EndRoll ? direct(0.0, kLargestDirectAngle)
                                                                                               : direct(restOf(target), kFarthestDirect);
                 for (const std::string& source : sources) {
@@ -228,8 +248,9 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
         const auto put = [&](std::size_t slot, double& to, double rest) {
             if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]);
         };
-        if (input.kind == LiveInput::Kind::Morph) {
+        if (input.isNumber()) {
             put(0, input.weight, 0.0);
+            if (input.kind == LiveInput::Kind::Effect) input.weight = withinProperty(input);
         } else {
             for (std::size_t k = 0; k < 3; ++k) put(k, input.target[static_cast<Eigen::Index>(k)], driven.rest[static_cast<Eigen::Index>(k)]);
             if (input.kind == LiveInput::Kind::End) {
@@ -273,6 +294,14 @@ void InputDriver::follow(Turned& bone) {
     end.moved = true;
 }
 
+void InputDriver::forgetNumbers() {
+    for (Driven& driven : driven_) driven.held = false;
+}
+
+bool InputDriver::holds(const LiveInput& input) const {
+    return std::any_of(driven_.begin(), driven_.end(), [&](const Driven& d) { return d.held && d.input.sameTarget(input); });
+}
+
 void InputDriver::giveToHand(const LiveInput& held) {
     for (Driven& driven : driven_) {
         if (!driven.input.sameTarget(held)) continue;
@@ -309,6 +338,12 @@ void InputDriver::hold(const LiveInput& held) {
         if (std::exchange(driven.byHand, false))
             for (Turned& bone : turned_)
                 if (&driven_[bone.end] == &driven) pointAt(bone, held.target);
+        driven.held = true;
+        if (input.isNumber()) {
+            if (driven.slotNumbers[0] >= 0) mapper_.setByHand(driven.slotNumbers[0], false, held.weight);
+            input.weight = held.weight;
+            continue;
+        }
         input.target = held.target;
         input.rotation = held.rotation;
         input.roll = held.roll;
@@ -320,13 +355,30 @@ void InputDriver::hold(const LiveInput& held) {
     }
 }
 
+std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings) {
+    std::vector<std::pair<InputRow, MappedTarget>> rows;
+    mappings.clear();
+    const bool solo = anySolo(document);
+    for (std::size_t i = 0; document.mappings && i < document.mappings->size(); ++i) {
+        const InputMapping& mapping = (*document.mappings)[i];
+        const auto target = mappedTarget(document, mapping.target);
+        if (!target || !target->isTrigger()) continue;
+        rows.emplace_back(heardRow(mapping, solo), *target);
+        mappings.push_back(i);
+    }
+    return rows;
+}
+
 std::vector<DirectName> directNames(const Document& document) {
     std::vector<DirectName> names;
     const auto add = [&](const std::string& address, const MappedTarget& target, int count) {
         if (!InputName::fits(address)) return;
         DirectName name{address, {}, count};
         name.targets.fill(target);
-        for (int i = 0; i < count; ++i) name.targets[static_cast<std::size_t>(i)].axis = i;
+        for (int i = 0; i < count; ++i) {
+            name.targets[static_cast<std::size_t>(i)].axis = i;
+            name.targets[static_cast<std::size_t>(i)].value += i;
+        }
         names.push_back(std::move(name));
     };
     const std::string root = "/imomushi/";
@@ -356,6 +408,17 @@ std::vector<DirectName> directNames(const Document& document) {
             target.morph = {id, static_cast<std::int32_t>(t)};
             add(root + "morph/" + character->name + "/" + character->model->morphs[t].name, target, 1);
         }
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        MappedTarget target;
+        target.kind = Kind::Effect;
+        target.effect = static_cast<EffectKind>(k);
+        target.value = 0;
+        if (document.effects.has(target.effect))
+            for (const EffectProperty& p : effectProperties(target.effect)) {
+                if (!p.rebuilds) add(root + "effect/" + std::string(effectName(target.effect)) + "/" + std::string(p.name), target, p.size);
+                target.value += p.size;
+            }
+    }
     return names;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/document/character_input.h"
@@ -27,6 +28,10 @@ public:
     std::span<const LiveInput> step(double seconds);
     /// What such an input moves is held from now on where this says, and glides from there. Where a hand had it, it has let go.
     void hold(const LiveInput& held);
+    /// It was held by hold(). A number is held so that what it was before can be had again: whoever steps gives one to the character only then.
+    [[nodiscard]] bool holds(const LiveInput& input) const;
+    /// Numbers must be held anew.
+    void forgetNumbers();
     /// A hand has what such an input moves: nothing else drives it until hold().
     void giveToHand(const LiveInput& held);
     /// Everything glides to rest. For panic.
@@ -52,14 +57,14 @@ private:
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
         Vec3 startNow = Vec3::Zero();
     };
-    /// What is moved as one: a handle, an end of a bone, a morph target.
+    /// What is moved as one: a handle, an end of a bone, a morph target, a number of an effect.
     struct Driven {
         LiveInput input;     ///< as it was given last
         Vec3 rest = Vec3::Zero();
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
-        std::array<int, 6> slotNumbers{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a morph target its weight first
+        std::array<int, 6> slotNumbers{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a number that first
         bool moved = false;  ///< in the last step
-        bool byHand = false;
+        bool byHand = false, held = false;
     };
     struct Tables;
     explicit InputDriver(Tables&& tables);
@@ -76,13 +81,15 @@ private:
 };
 
 /// OSC addresses of everything that can be driven, with how many numbers each takes: "/imomushi/handle/NAME/position" 3 (m, world), "/imomushi/handle/NAME/turn" 3 (a rotation vector, radians, from rest),
-/// "/imomushi/bone/NAME/end/position" 3, "/imomushi/bone/NAME/end/roll" 1, "/imomushi/morph/CHARACTER/NAME" 1. Names that are too long for a channel (InputName) have none.
+/// "/imomushi/bone/NAME/end/position" 3, "/imomushi/bone/NAME/end/roll" 1, "/imomushi/morph/CHARACTER/NAME" 1, "/imomushi/effect/NAME/PROPERTY" 1 or 3 (of effects that are on). Names that are too long for a channel (InputName) have none.
 struct DirectName {
     std::string address;
     std::array<MappedTarget, 3> targets;
     int count = 0;
 };
 std::vector<DirectName> directNames(const Document& document);
+/// Rows of the document's table that let something happen (InputTriggers), with what, and their places in that table.
+std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings);
 /// The same as messages of OSC, "/imomushi/name" for each and "/imomushi/names" with their number: the answer to InputListener::kListAddress.
 std::vector<std::string> nameMessages(const Document& document);
 

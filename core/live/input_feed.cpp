@@ -42,8 +42,10 @@ void InputFeed::step(double seconds, LiveCharacter& live) {
         values_.pop();
     }
     if (letsGo_.exchange(false, std::memory_order_acquire)) driver_.letGo();  // of what was heard until then, too
+    if (forgets_.exchange(false, std::memory_order_acquire)) driver_.forgetNumbers();
     for (const LiveInput& input : driver_.step(seconds)) {
-        if (live.apply(input) || refused_.free() == 0) continue;
+        if ((!input.isNumber() || driver_.holds(input)) && live.apply(input)) continue;
+        if (refused_.free() == 0) continue;
         refused_.give(input);
         refused_.publish();
     }

@@ -62,6 +62,8 @@ public:
     bool giveToHand(const LiveInput& held);
     /// See InputDriver::letGo(); with the next step.
     void letGo() { letsGo_.store(true, std::memory_order_release); }
+    /// See InputDriver::forgetNumbers(); with the next step: what was held was undone.
+    void forgetNumbers() { forgets_.store(true, std::memory_order_release); }
     /// meters() are those of the last step from now on. False: they were.
     bool takeMeters() { return meters_.take(); }
     /// Of each row of the document's table.
@@ -83,6 +85,7 @@ private:
     InputDriver driver_;
     TripleBuffer<std::vector<InputMeter>> meters_;
     std::atomic<bool> letsGo_{false};
+    std::atomic<bool> forgets_{false};
     TwoThreadRow<Heard, kValues> values_;
     TwoThreadRow<std::uint64_t, kSteps> steps_;
     TwoThreadRow<LiveInput, kHolds> refused_;

@@ -137,6 +137,7 @@ Result<void> LiveCharacter::prepare() {
     performanceValid_ = true;
     const Effects& effects = document().effects;
     if (character_) character_->tune(this->effects());
+    tuned_.reset();
     ++tunes_;
     if (!Performance::wanted(effects)) {
         performance_.reset();

@@ -62,6 +62,8 @@ public:
     [[nodiscard]] std::uint64_t shows() const { return shows_; }
     /// The settings of effects that the character has.
     [[nodiscard]] CharacterEffects effects() const { return characterEffects(document()); }
+    /// The same by effect, for whoever changes their numbers; null: it has no such effect.
+    [[nodiscard]] std::array<std::shared_ptr<EffectSettings>, kEffects> settingsOfEffects() const;
     /// True: somebody else shows what this character shows, so that its vertices are evaluated only where effects or questions need them. From the next character that is built.
     void leaveVerticesToOthers(bool leave);
     /// The plan of any state of the document; the two latest are remembered. Errors: those of planCharacter().
@@ -197,6 +199,8 @@ private:
     [[nodiscard]] Json lineOf(const LiveInput& input) const;
     /// See stepFrame(). Throws std::bad_alloc.
     void stepOn(double seconds);
+    /// Character and bones act by the numbers that an effect has now. Takes no memory while time passes on another thread.
+    void tuneAsPassed(EffectKind driven);
     /// Of bones, effects and glides.
     [[nodiscard]] bool swings() const;
     /// The pose of the document, rest where that is empty.
@@ -260,6 +264,8 @@ private:
     };
     std::vector<PerformedInput> performedInputs_;  // of each target and frame the last one
     bool scriptForgotten_ = false;       // there were too many
+    std::optional<std::array<std::shared_ptr<EffectSettings>, kEffects>> tuned_;  // what tuneAsPassed() gives; null: an effect that the character has not
+    bool drivenEffects_ = false;         // numbers of effects have passed since beginPerforming()
     bool met_ = false;
     bool leavesVertices_ = false;
     std::uint64_t builds_ = 0, tunes_ = 0, shows_ = 0;

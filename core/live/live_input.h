@@ -6,15 +6,16 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "core/document/document.h"
 
 namespace imomushi {
 
-/// Where something that is held already is to be from the next step on, or how much of a morph target is seen: what a hand, or any other device, gives a performance while it
+/// Where something that is held already is to be from the next step on, how much of a morph target is seen, or a number of an effect: what a hand, or any other device, gives a performance while it
 /// goes on.
 struct LiveInput {
-    enum class Kind : std::uint8_t { End, Handle, Morph } kind = Kind::End;
+    enum class Kind : std::uint8_t { End, Handle, Morph, Effect } kind = Kind::End;
     EndpointRef end;          ///< of a bone
     int handle = -1;          ///< index in the character's plan
     MorphRef morph;
@@ -22,9 +23,25 @@ struct LiveInput {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, unit, world
     double roll = 0.0;        ///< radians, of an end
     bool hasRoll = false;     ///< false: it keeps its own
-    double weight = 0.0;      ///< of a morph target
-    [[nodiscard]] bool sameTarget(const LiveInput& o) const { return kind == o.kind && (kind == Kind::End ? end == o.end : kind == Kind::Handle ? handle == o.handle : morph == o.morph); }
+    EffectKind effect = EffectKind::kCount;
+    int value = 0;            ///< which of Effect::values
+    double weight = 0.0;      ///< of a morph target; the number of an effect, in its unit
+    /// It is a number that is set, not something that is held in space.
+    [[nodiscard]] bool isNumber() const { return kind == Kind::Morph || kind == Kind::Effect; }
+    [[nodiscard]] bool sameTarget(const LiveInput& o) const {
+        if (kind != o.kind) return false;
+        switch (kind) {
+            case Kind::End: return end == o.end;
+            case Kind::Handle: return handle == o.handle;
+            case Kind::Morph: return morph == o.morph;
+            case Kind::Effect: return effect == o.effect && value == o.value;
+        }
+        return false;
+    }
 };
+
+/// The property of an effect that an input sets, and where it begins in Effect::values.
+std::pair<const EffectProperty&, int> propertyOf(const LiveInput& input);
 
 /// Inputs on their way from one thread to another one, in order. Neither waits, and nothing is allocated.
 class LiveInputs {

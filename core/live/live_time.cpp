@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <utility>
 
 #include "core/document/command_support.h"
 #include "core/document/names.h"
@@ -71,6 +72,11 @@ bool LiveCharacter::apply(const LiveInput& input) {
             document.morphs.erase(input.morph);
         else
             document.morphs.insert_or_assign(input.morph, input.weight);
+    } else if (input.kind == LiveInput::Kind::Effect) {
+        auto& values = document.effects[input.effect].values;
+        if (input.value < 0 || static_cast<std::size_t>(input.value) >= values.size()) return false;
+        values[static_cast<std::size_t>(input.value)] = input.weight;
+        tuneAsPassed(input.effect);
     } else if (input.kind == LiveInput::Kind::Handle) {
         if (input.handle < 0 || input.handle >= static_cast<int>(plan_.handles.size())) return false;
         const auto held = document.handleGoals.find(plan_.handles[static_cast<std::size_t>(input.handle)]);
@@ -87,7 +93,7 @@ bool LiveCharacter::apply(const LiveInput& input) {
         if (input.hasRoll) held->second.roll = input.roll;
         held->second.elapsed = held->second.seconds;
     }
-    wake(input.kind != LiveInput::Kind::Morph);
+    wake(!input.isNumber());
     if (!performed_) {
         history_.noteInput(lineOf(input));
         return true;
@@ -109,6 +115,12 @@ Json LiveCharacter::lineOf(const LiveInput& input) const {
         const CharacterSource& character = *document().characters.at(input.morph.character);
         return {{"character", character.name}, {"morph", character.model->morphs[static_cast<std::size_t>(input.morph.target)].name}, {"weight", input.weight}};
     }
+    if (input.kind == LiveInput::Kind::Effect) {
+        const auto& [property, first] = propertyOf(input);
+        Json line{{"effect", effectName(input.effect)}, {"property", property.name}, {"value", input.weight}};
+        if (property.size > 1) line["axis"] = input.value - first;
+        return line;
+    }
     Json line{{"to", json(input.target)}};
     if (input.kind == LiveInput::Kind::Handle) {
         line["endpoint"] = plan_.handles[static_cast<std::size_t>(input.handle)].face;
@@ -119,6 +131,28 @@ Json LiveCharacter::lineOf(const LiveInput& input) const {
         if (input.hasRoll) line["roll"] = input.roll;
     }
     return line;
+}
+
+void LiveCharacter::tuneAsPassed(EffectKind driven) {
+    const Effects& effects = document().effects;
+    if (!tuned_) tuned_ = settingsOfEffects();
+    drivenEffects_ = true;
+    for (const EffectKind kind : {driven, EffectKind::Contact}) {  // which knows of the ground
+        EffectSettings* settings = (*tuned_)[static_cast<std::size_t>(kind)].get();
+        if (!settings || !character_) continue;
+        readNumbers(effects, kind, *settings);
+        character_->tune(*settings);
+        if (driven != EffectKind::Ground) break;
+    }
+    const bool ofBones = driven == EffectKind::BoneDynamics || driven == EffectKind::Ground || driven == EffectKind::Gravity;
+    if (performance_ && ofBones) (void)performance_->set(effects);  // within their ranges
+}
+
+std::array<std::shared_ptr<EffectSettings>, kEffects> LiveCharacter::settingsOfEffects() const {
+    std::array<std::shared_ptr<EffectSettings>, kEffects> all;
+    for (const auto& settings : effects())
+        if (const auto kind = effectNamed(settings->name())) all[static_cast<std::size_t>(*kind)] = std::const_pointer_cast<EffectSettings>(settings);  // nobody else has them
+    return all;
 }
 
 bool LiveCharacter::inMotion() const {
@@ -190,7 +224,8 @@ void LiveCharacter::beginPerforming() {
     for (const auto& [id, character] : performed_->characters)
         for (std::size_t t = 0; t < character->model->morphs.size(); ++t)
             performed_->morphs.try_emplace({id, static_cast<std::int32_t>(t)}, character->model->morphs[t].atRest);
-    met_ = false;
+    tuned_ = settingsOfEffects();  // steps take no memory for it
+    met_ = drivenEffects_ = false;
 }
 
 void LiveCharacter::advance(double seconds) noexcept {
@@ -210,7 +245,8 @@ void LiveCharacter::endPerforming() noexcept {
     document.turns = std::move(performed_->turns);
     document.morphs = std::move(performed_->morphs);
     std::erase_if(document.morphs, [&](const auto& set) { return set.second == document.characters.at(set.first.character)->model->morphs[static_cast<std::size_t>(set.first.target)].atRest; });
-    if (met_) document.effects = std::move(performed_->effects);
+    if (met_ || drivenEffects_) document.effects = std::move(performed_->effects);
+    if (std::exchange(drivenEffects_, false)) ++tunes_;
     performed_.reset();
     if (met_) valid_ = met_ = false;
     if (scriptForgotten_) history_.forgetScript();

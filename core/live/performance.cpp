@@ -125,13 +125,13 @@ void Performance::take(const Effects& effects) {
     pressed_ = effects.has(EffectKind::Contact) && !waitsToMeet(effects, EffectKind::Contact) ? kPressed : 0.0;
 }
 
-BoneDynamicsSettings Performance::settingsOf(const Effects& effects) const {
+const BoneDynamicsSettings& Performance::settingsOf(const Effects& effects) {
     const auto asked = effects.settings<BoneDynamicsEffect>(EffectKind::BoneDynamics);
-    BoneDynamicsSettings settings;
-    settings.springs = {{asked.stretchHertz, asked.stretchDamping, asked.swingHertz, asked.swingDamping, asked.rollHertz, asked.rollDamping}};
+    BoneDynamicsSettings& settings = asked_;
+    settings.springs.assign(1, {asked.stretchHertz, asked.stretchDamping, asked.swingHertz, asked.swingDamping, asked.rollHertz, asked.rollDamping});
     settings.airDamping = asked.airDamping;
     settings.ground = ground_;
-    if (effects.has(EffectKind::Gravity)) settings.gravity = effects.vector(EffectKind::Gravity, "acceleration");
+    settings.gravity = effects.has(EffectKind::Gravity) ? effects.vector(EffectKind::Gravity, "acceleration") : BoneDynamicsSettings().gravity;
     // What falls on the ground must be free to lie where it falls; without such gravity it comes back, and rests on the ground where its pose is in it.
     settings.returnHertz = ground_ && ground_->plane.normal().dot(settings.gravity) < 0.0 ? 0.0 : asked.returnHertz;
     return settings;

@@ -52,7 +52,8 @@ public:
 
 private:
     void take(const Effects& effects);
-    [[nodiscard]] BoneDynamicsSettings settingsOf(const Effects& effects) const;
+    /// Until the next call.
+    const BoneDynamicsSettings& settingsOf(const Effects& effects);
     void follow(const Pose& kinematic, std::span<const IkGoal> goals);
     // A pose, above the ground.
     void raise(const Pose& pose, Pose& raised);
@@ -61,6 +62,7 @@ private:
     double size_ = 0.0;              // of the skeleton, m
     std::optional<BoneDynamicsSettings::Ground> ground_;
     double pressed_ = 0.0;
+    BoneDynamicsSettings asked_;     // room of settingsOf()
     std::optional<BoneDynamics> dynamics_;
     std::vector<FleshPoint> flesh_;  // as it presses
     bool held_ = true, lifted_ = false;

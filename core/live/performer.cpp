@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/live/performer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 
@@ -42,6 +43,11 @@ void Performer::fill(PerformedFrame& frame) const {
     live_.shape(frame.shape.data());
     frame.pose = live_.presentPose();
     frame.effectMs = live_.effectTimes();
+    frame.numbers.clear();
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto& values = live_.document().effects[static_cast<EffectKind>(k)].values;
+        frame.numbers.insert(frame.numbers.end(), values.begin(), values.end());
+    }
     frame.milliseconds = 0.0;
     frame.stages = *live_.stages();
     frame.warnings = live_.warnings();
@@ -84,6 +90,8 @@ void Performer::start() noexcept {
         (void)frames_.take();  // what was stepped before is older than what is there
         drawn_ = shownAs_ == live_.shows();
         recording_ = live_.recording() ? std::optional(live_.recording()->take.name) : std::nullopt;
+        shownEffects_ = live_.document().effects;
+        shownSettings_ = live_.settingsOfEffects();
         live_.beginPerforming();
         running_ = true;
         thread_.run();
@@ -152,10 +160,24 @@ void Performer::follow(Character* built) {
     }
 }
 
+void Performer::showFrame() {
+    const double* now = frame().numbers.data();
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        auto& values = shownEffects_[static_cast<EffectKind>(k)].values;
+        const bool same = std::equal(values.begin(), values.end(), now);
+        if (!same) std::copy_n(now, values.size(), values.begin());
+        now += values.size();
+        if (same || !shownSettings_[k]) continue;
+        readNumbers(shownEffects_, static_cast<EffectKind>(k), *shownSettings_[k]);
+        shown_->tune(*shownSettings_[k]);
+    }
+    shown_->show(frame().shape.data());
+}
+
 Character* Performer::character() {
     refresh();
     if (running_) {
-        if (!drawn_) shown_->show(frame().shape.data());
+        if (!drawn_) showFrame();
         drawn_ = true;
         shownAs_ = 0;
         return &*shown_;

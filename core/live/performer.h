@@ -24,6 +24,7 @@ struct PerformedFrame {
     std::vector<double> shape;   ///< Character::shape()
     Pose pose;                   ///< LiveCharacter::shownPose()
     std::array<double, kEffects> effectMs{};  ///< negative: it had no such effect
+    std::vector<double> numbers; ///< of effects: Effect::values of each, one after the other
     double milliseconds = 0.0;   ///< wall time of the step
     StageTimes stages;
     unsigned warnings = 0;       ///< of FrameWarning
@@ -81,6 +82,8 @@ private:
     void fill(PerformedFrame& frame) const;
     /// shown_ is a copy of the character that the live one has built.
     void follow(Character* built);
+    /// shown_ shows frame(), by the numbers that effects had then.
+    void showFrame();
 
     LiveCharacter& live_;
     const std::function<void()> stepped_;
@@ -91,6 +94,8 @@ private:
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has
+    Effects shownEffects_;          // whose numbers shown_ has, and
+    std::array<std::shared_ptr<EffectSettings>, kEffects> shownSettings_;  // its settings, null: an effect that it has not
     std::uint64_t shownAs_ = 0;     // and shows(); 0: it shows a frame, or nothing yet
     bool drawn_ = false;            // shown_ shows frame()
     std::optional<std::string> recording_;

@@ -205,3 +205,27 @@ TEST_CASE("mappings: files with any bytes are either refused with a reason or so
     CHECK(!mappingsFromText(std::string(100'000, '[')).has_value());
     CHECK(!mappingsFromText(std::string(kMostMappingBytes + 1, ' ')).has_value());
 }
+
+TEST_CASE("mappings: settings of effects and triggers are targets; one that is solved anew, a vector without an axis and a take that is not there are refused") {
+    Mapped w;
+    w.good(w.map("/s", "effect/bone-dynamics/swing-hertz", {{"out", {1, 5}}}));
+    w.good(w.map("/g", "effect/gravity/acceleration/y", {{"out", {0, -10}}}));
+    w.good(w.map("/panic", "trigger/let-go"));
+    const Document& document = w.session.document();
+    CHECK(mappedTarget(document, "effect/gravity/acceleration/z")->value == 2);
+    CHECK(mappedTarget(document, "trigger/let-go")->isTrigger());
+    for (const auto& [target, code] : std::map<std::string, std::string>{{"effect/gravity/acceleration", "bad-value"}, {"effect/bone-dynamics/swing-hertz/x", "bad-value"}, {"effect/magic/x", "no-such-effect"}, {"effect/gravity/colour", "no-such-property"},
+                                                                        {"effect/gravity", "bad-value"}, {"take/none/play", "no-such-take"}, {"take/none/rewind", "bad-value"}, {"trigger/fire", "bad-value"}, {"trigger/let-go/now", "bad-value"}})
+        CHECK_MESSAGE(w.code(w.map("/x", target)) == code, target);
+    // Of what is solved anew there is none that could be driven.
+    for (std::size_t k = 0; k < kEffects; ++k)
+        for (const EffectProperty& p : effectProperties(static_cast<EffectKind>(k)))
+            if (p.rebuilds) CHECK(w.code(w.map("/x", "effect/" + std::string(effectName(static_cast<EffectKind>(k))) + "/" + std::string(p.name))) == "bad-value");
+    // Rows follow a take that gets another name.
+    w.good({{"do", "record"}, {"take", "wave"}, {"action", "start"}});
+    w.good({{"do", "step"}, {"frames", 3}});
+    w.good({{"do", "record"}, {"take", "wave"}, {"action", "stop"}});
+    w.good(w.map("/play", "take/wave/play"));
+    w.good({{"do", "rename-take"}, {"take", "wave"}, {"name", "bow"}});
+    CHECK(w.table().back().target == "take/bow/play");
+}

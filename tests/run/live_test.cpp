@@ -153,6 +153,7 @@ TEST_CASE("live: what cannot be listened to is refused, and nothing listens beyo
     CHECK(code(R"([{"protocol":"rtp","port":0}])") == "bad-value");
     CHECK(code(R"([{"protocol":"pad","port":0}])") == "unknown-key");
     CHECK(code(R"([{"protocol":"pad","device":1}])") == "bad-type");
+    CHECK(code(R"([{"protocol":"midi","device":"none"}])") == "ok");
     CHECK(code(R"([{"protocol":"osc","device":"x","port":0}])") == "unknown-key");
     CHECK(code(R"([{"protocol":"osc","port":70000}])") == "bad-value");
     CHECK(code(R"([{"protocol":"osc","port":0},{"protocol":"osc","port":0}])") == "bad-value");
@@ -234,4 +235,15 @@ TEST_CASE("live: a game controller that is not there is no error, and one that n
     CHECK(run.err.find("Listening to hands on No such pad") != std::string::npos);
     CHECK(run.answers[2]["devices"]["hands"] == "");
     CHECK(run.answers[2]["sources"][0]["packets"] == 0);
+}
+
+TEST_CASE("live: there are mappings of a pad for each sample, and all that they drive is there") {
+    for (const std::string name : {"caterpillar", "octopus", "figure", "dragon"}) {
+        CAPTURE(name);
+        const std::string assets = IMOMUSHI_SOURCE_DIR "/assets/";
+        const Run run = script("{\"do\":\"open\",\"path\":\"" + assets + "samples/" + name + ".imomushi\"}\n{\"do\":\"load-mappings\",\"path\":\"" + assets + "live/pads/" + name + ".json\"}\n");
+        REQUIRE(run.status == 0);
+        CHECK(run.answers[1]["loaded"].get<int>() >= 5);
+        CHECK(run.answers[1]["missing"] == Json::array());
+    }
 }

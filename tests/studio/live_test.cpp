@@ -311,6 +311,59 @@ TEST_CASE("live: a pad that a source wants and that is not here is said, and is 
     waitFor([&] { return w.state("pad").contains(QLatin1String(VirtualPad::kName)); });
 }
 
+TEST_CASE("live: a control drives a setting of an effect, which is one step of undo; the same of buttons that play a take, stop it and let everything go") {
+    LiveWindow w;
+    w.run({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    const std::string knob = "effect/bone-dynamics/swing-hertz";
+    const auto swing = [&] {
+        w.run({{"do", "list"}});  // the document becomes what is performed
+        return w.now().effects.number(EffectKind::BoneDynamics, "swing-hertz");
+    };
+    w.panel().learnBar()->setTarget(knob);
+    CHECK(w.panel().learnBar()->target() == knob);
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/knob"}, {"target", knob}, {"out", {1, 9}}});
+    const double before = swing();
+    w.plug();
+    w.say("/knob", 1.0F);
+    waitFor([&] { return std::abs(swing() - 9.0) < 1e-9; });
+    CHECK(w.model().level(0).drives);
+    CHECK(w.model().level(0).text.endsWith(QStringLiteral("Hz")));
+    const int held = w.position();
+    w.say("/knob", 0.5F);
+    waitFor([&] { return std::abs(swing() - 5.0) < 1e-9; });
+    CHECK(w.position() == held);
+    w.trigger("undo");
+    CHECK(swing() == before);
+    CHECK(w.position() == held - 1);
+    w.say("/knob", 0.7F);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::Undone; });
+    w.click("goOn");
+
+    w.run({{"do", "record"}, {"take", "wave"}, {"action", "start"}});
+    w.run({{"do", "step"}, {"frames", 90}});
+    w.run({{"do", "record"}, {"take", "wave"}, {"action", "stop"}});
+    for (const auto& [channel, target] : {std::pair("/play", "take/wave/play"), std::pair("/stop", "take/wave/stop"), std::pair("/panic", "trigger/let-go")})
+        w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", channel}, {"target", target}});
+    w.settle();
+    CHECK(w.panel().learnBar()->target() == knob);
+    auto& deck = w.window().deck();
+    CHECK(!deck.shown());
+    w.say("/play", 1.0F);
+    waitFor([&] { return deck.shown() && deck.playing(); });
+    CHECK(w.inputs().waits() == InputDeck::Waits::Take);
+    waitFor([&] { return w.model().level(1).drives || w.model().level(1).raw == 1.0; });
+    w.panel().view()->choose(1);
+    w.settle();
+    w.shoot("live-triggers");
+    CHECK(cutOff(w.panel()) == "");
+    w.say("/stop", 1.0F);
+    waitFor([&] { return !deck.shown(); });
+    w.say("/play", 1.0F);  // it is still pressed
+    CHECK(stays([&] { return !deck.shown(); }));
+    w.say("/panic", 1.0F);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::LetGo; });
+}
+
 TEST_CASE("live: the panel is whole in both languages, at twice the size too") {
     LiveWindow w;
     w.plug();

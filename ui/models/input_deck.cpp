@@ -26,6 +26,13 @@ constexpr int kReadyMs = 400;
 /// Where the system shows that devices come and go.
 constexpr const char* kDeviceFolders[] = {"/dev/input", "/dev/snd"};
 
+/// Effects go on or off.
+bool switchesEffects(const Effects& before, const Effects& after) {
+    for (std::size_t k = 0; k < kEffects; ++k)
+        if (before.has(EffectKind(k)) != after.has(EffectKind(k))) return true;
+    return false;
+}
+
 }  // namespace
 
 InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) : QObject(parent), document_(document), deck_(deck) {
@@ -33,7 +40,7 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
     timer_.setInterval(kTellMs);
     connect(&timer_, &QTimer::timeout, this, &InputDeck::tell);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings;
+        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
         const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
         if (devices || (driven && listens())) followSoon();
         // Another project is not performed by what was learned for the last one.
@@ -67,7 +74,7 @@ void InputDeck::load() {
         sources_.push_back(std::move(source));
     }
     settings.endArray();
-    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0)}) {
+    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0), std::pair(InputProtocol::Midi, 0)}) {
         Source source;
         source.name = protocolName(protocol);
         if (std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; })) continue;
@@ -171,7 +178,7 @@ void InputDeck::lookForDevices() {
         connect(&lookSoon_, &QTimer::timeout, this, &InputDeck::lookForDevices);
     }
     auto seen = devices_;
-    for (const InputProtocol protocol : {InputProtocol::Pad}) seen[std::size_t(protocol)] = pluggedDevices(protocol);
+    for (const InputProtocol protocol : {InputProtocol::Pad, InputProtocol::Midi}) seen[std::size_t(protocol)] = pluggedDevices(protocol);
     if (seen == devices_) return;
     devices_ = std::move(seen);
     Q_EMIT changed();
@@ -265,8 +272,40 @@ void InputDeck::follow() {
     }
     thread_.feed(feed_, std::move(names));
     thread_.hold(waits_ != Waits::No);
+    std::vector<InputRow> rows;
+    std::vector<MappedTarget> happens;
+    for (auto& [row, target] : triggerRows(document_.document(), triggers_)) {
+        rows.push_back(std::move(row));
+        happens.push_back(target);
+    }
+    thread_.triggers(std::move(rows), [this, happens = std::move(happens)](std::size_t row) { QMetaObject::invokeMethod(this, [this, what = happens[row]] { happen(what); }, Qt::QueuedConnection); });
     if (listens() != timer_.isActive()) listens() ? timer_.start() : timer_.stop();
     if (had != (feed_ != nullptr)) Q_EMIT changed();
+}
+
+void InputDeck::happen(const MappedTarget& what) {
+    switch (what.kind) {
+        case MappedTarget::Kind::LetGo: return letGo();
+        case MappedTarget::Kind::PlayTake:
+            if (deck_.recording() || !document_.document().takes.contains(what.take)) return;
+            deck_.choose(what.take);
+            deck_.show(deck_.from());
+            return deck_.setPlaying(true);
+        case MappedTarget::Kind::StopTake:
+            if (deck_.shown() && deck_.take() && deck_.take()->id == what.take) deck_.leave();
+            return;
+        default: return;
+    }
+}
+
+void InputDeck::takeMeters() {
+    if (feed_ && feed_->takeMeters()) meters_ = feed_->meters();
+    if (triggers_.empty()) return;
+    const auto& rows = document_.document().mappings;
+    meters_.resize(rows ? rows->size() : 0);
+    const auto happened = thread_.triggerMeters();
+    for (std::size_t i = 0; i < triggers_.size() && i < happened.size(); ++i)
+        if (triggers_[i] < meters_.size()) meters_[triggers_[i]] = happened[i];
 }
 
 void InputDeck::takeHold() {
@@ -297,7 +336,7 @@ void InputDeck::goOn() {
 }
 
 void InputDeck::tell() {
-    if (feed_ && feed_->takeMeters()) meters_ = feed_->meters();
+    takeMeters();
     const bool rate = !rated_.isValid() || rated_.elapsed() >= kRateMs;
     const double seconds = rated_.isValid() ? 1e-3 * double(rated_.elapsed()) : 1.0;
     if (rate) rated_.start();

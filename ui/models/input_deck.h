@@ -105,6 +105,10 @@ private:
     void takeHold();
     void tell();
     void wait(Waits why);
+    /// A row let it happen.
+    void happen(const MappedTarget& what);
+    /// Of rows of the feed, and of those that let something happen.
+    void takeMeters();
 
     StudioDocument& document_;
     TakeDeck& deck_;
@@ -116,6 +120,7 @@ private:
     HearingThread thread_;
     std::shared_ptr<InputFeed> feed_;
     std::vector<InputMeter> meters_;
+    std::vector<std::size_t> triggers_;   // places in the document's table of rows that let something happen
     Waits waits_ = Waits::No;       // LetGo, Undone, Refused or No
     bool holdsAnyway_ = false;      // the artist went on after undoing
     bool takeShown_ = false, scheduled_ = false;

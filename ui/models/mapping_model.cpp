@@ -10,7 +10,7 @@ namespace imomushi {
 
 MappingModel::MappingModel(StudioDocument& document, InputDeck& inputs, QObject* parent) : QAbstractTableModel(parent), document_(document), inputs_(inputs) {
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.unknown || change.mappings || !change.elements.empty() || !change.bones.empty() || !change.characters.empty()) take();
+        if (change.unknown || change.mappings || !change.elements.empty() || !change.bones.empty() || !change.characters.empty() || !change.takes.empty()) take();
     });
     connect(&inputs, &InputDeck::told, this, [this] {
         if (rowCount() > 0) Q_EMIT dataChanged(index(0, Meter), index(rowCount() - 1, Meter));
@@ -72,7 +72,7 @@ MappingModel::Level MappingModel::level(int row) const {
 
 QString MappingModel::conflict(int row) const {
     const InputMapping* m = mapping(row);
-    if (!m) return {};
+    if (!m || targets_[std::size_t(row)].trigger) return {};
     int other = -1, winner = -1;
     const auto& meters = inputs_.meters();
     for (int i = 0; i < rowCount(); ++i) {

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "core/document/names.h"
+#include "core/live/live_input.h"
 #include "core/mesh/render_model.h"
+#include "ui/models/effect_texts.h"
 
 namespace imomushi {
 namespace {
@@ -45,6 +47,31 @@ double rounded(double value) {
     return unit * std::round(value / unit);
 }
 
+QString triggerText(const QString& take, bool plays) { return plays ? MappingTexts::tr("Play “%1”", "a take").arg(take) : MappingTexts::tr("Stop “%1”", "a take").arg(take); }
+
+LiveInput inputOf(const MappedTarget& target) {
+    LiveInput input;
+    input.kind = LiveInput::Kind::Effect;
+    input.effect = target.effect;
+    input.value = target.value;
+    return input;
+}
+
+QString numberText(const EffectProperty& property, int axis) {
+    const QString title = effectPropertyTitle(property);
+    return property.size == 1 ? title : MappingTexts::tr("%1 %2", "a setting of an effect, X, Y or Z").arg(title).arg(QChar(u'X' + axis));
+}
+
+TargetText effectTarget(const MappedTarget& target) {
+    const auto& [property, first] = propertyOf(inputOf(target));
+    TargetText said;
+    said.thing = effectTitle(target.effect);
+    said.number = numberText(property, target.value - first);
+    said.unit = QString::fromUtf8(property.unit.data(), qsizetype(property.unit.size()));
+    said.there = true;
+    return said;
+}
+
 }  // namespace
 
 QString TargetText::text() const { return number.isEmpty() ? thing : MappingTexts::tr("%1, %2", "a handle, a number of it").arg(thing, number); }
@@ -66,6 +93,13 @@ TargetText targetText(const Document& document, const std::string& target) {
                                           : MappingTexts::tr("start of %1", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name));
             break;
         case TargetKind::BoneTurn: said.thing = QString::fromStdString(document.bones.at(found->end.bone)->name); break;
+        case TargetKind::Effect: return effectTarget(*found);
+        case TargetKind::PlayTake:
+        case TargetKind::StopTake:
+        case TargetKind::LetGo:
+            said.trigger = true;
+            said.thing = found->kind == TargetKind::LetGo ? MappingTexts::tr("Let everything go") : triggerText(QString::fromStdString(document.takes.at(found->take)->name), found->kind == TargetKind::PlayTake);
+            return said;
         case TargetKind::Morph: said.thing = QString::fromStdString(document.characters.at(found->morph.character)->model->morphs[std::size_t(found->morph.target)].name); break;
     }
     if (places(found->kind)) {
@@ -140,6 +174,21 @@ std::vector<DrivenThing> drivenThings(const Document& document) {
         for (const auto& morph : character->model->morphs) thing.numbers.emplace_back(QString::fromStdString(morph.name), "morph/" + character->name + "/" + morph.name);
         things.push_back(std::move(thing));
     }
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto kind = EffectKind(k);
+        if (!document.effects.has(kind)) continue;
+        DrivenThing thing{effectTitle(kind), QStringLiteral("spring"), {}};
+        for (const EffectProperty& property : effectProperties(kind)) {
+            const std::string of = "effect/" + std::string(effectName(kind)) + "/" + std::string(property.name);
+            for (int axis = 0; axis < property.size && !property.rebuilds; ++axis) thing.numbers.emplace_back(numberText(property, axis), property.size == 1 ? of : of + "/" + axes[axis]);
+        }
+        if (!thing.numbers.empty()) things.push_back(std::move(thing));
+    }
+    DrivenThing happens{MappingTexts::tr("Triggers"), QStringLiteral("play"), {}};
+    for (const auto& [id, take] : document.takes)
+        for (const bool plays : {true, false}) happens.numbers.emplace_back(triggerText(QString::fromStdString(take->name), plays), "take/" + take->name + (plays ? "/play" : "/stop"));
+    happens.numbers.emplace_back(MappingTexts::tr("Let everything go"), "trigger/let-go");
+    if (!things.empty()) things.push_back(std::move(happens));
     return things;
 }
 
@@ -154,8 +203,14 @@ std::string targetOf(const Document& document, const SelectionItem& item) {
 }
 
 std::pair<double, double> usualReach(const Document& document, const MappedTarget& target, bool twoSided) {
+    if (target.kind == TargetKind::Effect) {
+        // From where it is on, as far again; a stick has that in its middle.
+        const EffectProperty& property = propertyOf(inputOf(target)).first;
+        const double now = document.effects[target.effect].values[std::size_t(target.value)], way = now != 0.0 ? std::abs(now) : 1.0;
+        return {std::clamp(twoSided ? now - way : now, property.low, property.high), std::clamp(now + way, property.low, property.high)};
+    }
     const double reach = places(target.kind) ? rounded(kReachOfSize * sizeOf(document)) : turns(target.kind) ? kReachTurn : 1.0;
-    return {twoSided && target.kind != TargetKind::Morph ? -reach : 0.0, reach};
+    return {twoSided && target.kind != TargetKind::Morph && !target.isTrigger() ? -reach : 0.0, reach};
 }
 
 }  // namespace imomushi

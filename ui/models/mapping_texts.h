@@ -18,6 +18,7 @@ struct TargetText {
     QString unit;         ///< "m", "°", or none
     double factor = 1.0;  ///< shown = value * factor
     bool there = false;
+    bool trigger = false; ///< it lets something happen: several rows may
     [[nodiscard]] QString text() const;
 };
 TargetText targetText(const Document& document, const std::string& target);

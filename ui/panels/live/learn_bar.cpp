@@ -42,7 +42,7 @@ LearnBar::LearnBar(StudioDocument& document, InputDeck& inputs, QWidget* parent)
     connect(use_, &QPushButton::clicked, &inputs, &InputDeck::takeCandidate);
     connect(stop_, &QPushButton::clicked, &inputs, &InputDeck::stopLearning);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.unknown || !change.elements.empty() || !change.bones.empty() || !change.characters.empty()) fillThings();
+        if (change.unknown || !change.elements.empty() || !change.bones.empty() || !change.characters.empty() || change.effects || !change.takes.empty()) fillThings();
     });
     connect(&document, &StudioDocument::selectionChanged, this, &LearnBar::followSelection);
     connect(&inputs, &InputDeck::changed, this, &LearnBar::follow);
@@ -88,7 +88,8 @@ void LearnBar::fillNumbers() {
     if (thing < 0) return;
     for (const auto& [title, target] : things_[std::size_t(thing)].numbers) number_->addItem(title);
     // Handles and bones are raised and lowered at first.
-    number_->setCurrentIndex(was > 0 && was < number_->count() ? was : std::min(1, number_->count() - 1));
+    const bool place = things_[std::size_t(thing)].icon == u"handle" || things_[std::size_t(thing)].icon == u"bone";
+    number_->setCurrentIndex(was > 0 && was < number_->count() ? was : std::min(place ? 1 : 0, number_->count() - 1));
 }
 
 void LearnBar::followSelection() {
