@@ -80,7 +80,8 @@ void Performer::start() noexcept {
         const auto built = live_.built();
         if (!built || !*built) return;
         if (feed_ && fedHandles_ != live_.plan().handles) feed_.reset();
-        if (inputs_.empty() && !feed_ && !live_.inMotion()) return;
+        // A step would end the display of a take.
+        if (inputs_.empty() && (!feed_ || live_.showsTake()) && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
         for (PerformedFrame& frame : frames_.allSlots()) {
