@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "core/base/try.h"
+#include "core/mesh/winding_number.h"
 #include "core/proposal/choose_planes.h"
 #include "core/proposal/fit_cuts.h"
 #include "core/proposal/mirror_plane.h"
@@ -24,6 +26,7 @@ namespace {
 
 constexpr double kSmallPiece = 0.25;  // of the least share: a piece that is smaller than this is not cut off
 constexpr double kWithin = 0.95;      // of the way from the head of a bone to the end of its flesh: where its tip is
+constexpr double kEnd = 0.9;          // of the same way: flesh beyond is its end
 constexpr double kRoundShare = 0.5;   // of what is left of the progress that a round takes
 constexpr std::size_t kMostRefused = 3;  // planes of a bone; then it is merged
 constexpr std::size_t kMostRigPieces = 20;          // unless somebody asks for a least share
@@ -234,17 +237,35 @@ private:
 
     [[nodiscard]] const Vec3& headOf(std::size_t kept) const { return rig_.bones[static_cast<std::size_t>(merged_.kept[kept])].head; }
 
-    /// Where a bone ends that nothing hangs on: within its flesh.
+    /// Where a bone ends that nothing hangs on: within its flesh, straight on; where that is beside its flesh or behind its cut, in the middle of the end of what lies in front of the cut.
     [[nodiscard]] Vec3 tipOf(std::size_t kept) const {
         const Vec3 &head = headOf(kept), along = cuts_.direction(merged_, kept);
-        double reach = 0.0;
+        const auto inFront = [&](const Vec3& place) { return kept == 0 || proposal_.cuts[kept - 1].plane.normal.dot(place - proposal_.cuts[kept - 1].plane.origin) > 0.0; };
+        const auto isIn = [&](const Vec3& place) { return inFront(place) && windingNumber(body_, place) > 0.5; };
+        std::vector<Vec3> own;
         for (std::size_t v = 0; v + 1 < flesh_.first.size(); ++v) {
-            double own = 0.0;
+            double weight = 0.0;
             for (auto i = static_cast<std::size_t>(flesh_.first[v]); i < static_cast<std::size_t>(flesh_.first[v + 1]); ++i)
-                if (merged_.mover[static_cast<std::size_t>(flesh_.bone[i])] == static_cast<int>(kept)) own += flesh_.weight[i];
-            if (own > 0.5) reach = std::max(reach, along.dot(Vec3(body_.vertices.row(static_cast<Eigen::Index>(v)).transpose()) - head));
+                if (merged_.mover[static_cast<std::size_t>(flesh_.bone[i])] == static_cast<int>(kept)) weight += flesh_.weight[i];
+            if (weight > 0.5) own.emplace_back(body_.vertices.row(static_cast<Eigen::Index>(v)));
         }
-        return head + std::max(kWithin * reach, 0.01 * diagonal_) * along;
+        const auto reach = [&](const Vec3& out) {
+            double most = 0.0;
+            for (const Vec3& place : own) most = std::max(most, out.dot(place - head));
+            return most;
+        };
+        const auto mean = [&] { return Vec3(std::accumulate(own.begin(), own.end(), Vec3(Vec3::Zero())) / static_cast<double>(own.size())); };
+        const Vec3 straight = head + std::max(kWithin * reach(along), 0.01 * diagonal_) * along;
+        if (isIn(straight)) return straight;
+        std::erase_if(own, [&](const Vec3& place) { return !inFront(place); });
+        if (own.empty()) return straight;
+        const Vec3 out = (mean() - head).stableNormalized();
+        const double far = reach(out);
+        std::erase_if(own, [&](const Vec3& place) { return out.dot(place - head) < kEnd * far; });
+        if (own.empty()) return straight;
+        Vec3 end = mean();
+        end += (kWithin * far - out.dot(end - head)) * out;  // not in the last face of it
+        return isIn(end) ? end : straight;
     }
 
     int add(std::string name, int parent, bool fromParentStart, const Vec3& start, const Vec3& end, std::size_t kept) {

@@ -17,6 +17,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/mesh/winding_number.h"
 #include "tests/document/workbench.h"
 #include "tests/support/thorough.h"
 
@@ -62,6 +63,7 @@ void checkSoft(const std::filesystem::path& path, std::size_t elements) {
         w.code({{"do", "unpin"}, {"endpoint", end}});
         const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
         const Vec3 before(at[0], at[1], at[2]);
+        CHECK_MESSAGE(windingNumber(document.elements.at(bone->element)->mesh->body, before) > 0.5, bone->name << " ends beside its flesh");
         const auto element = static_cast<int>(std::distance(document.elements.begin(), document.elements.find(bone->element)));
         const auto nearest = [&] {  // of its flesh to the end
             const auto surface = w.session.character()->surface(element);
