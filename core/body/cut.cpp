@@ -2,7 +2,6 @@
 #include "core/body/cut.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,8 +20,6 @@ constexpr double kSteps[] = {1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2,
 constexpr double kParts[] = {0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99};
 constexpr int kHalvings = 4;  // of the way between the last place that failed and the first that works, until it is about the first step
 
-using Prepared = Result<PreparedCut>;
-
 CutRefusal refusalOf(Error error, int cut) {
     CutRefusal refusal;
     static_cast<Error&>(refusal) = std::move(error);
@@ -30,7 +27,7 @@ CutRefusal refusalOf(Error error, int cut) {
     return refusal;
 }
 
-Prepared withTriangles(Section section) {
+Result<PreparedCut> withTriangles(Section section) {
     std::vector<std::vector<Eigen::Vector2d>> loops;
     for (const auto& loop : section.loops) {
         auto& flat = loops.emplace_back();
@@ -43,7 +40,7 @@ Prepared withTriangles(Section section) {
     return PreparedCut{std::move(section), std::move(*region)};
 }
 
-Prepared prepare(const CutSurface& surface, const CutPlane& plane) {
+Result<PreparedCut> prepare(const CutSurface& surface, const CutPlane& plane) {
     IMOMUSHI_TRY(auto section, findSection(surface, plane));
     return withTriangles(std::move(section));
 }
@@ -51,11 +48,11 @@ Prepared prepare(const CutSurface& surface, const CutPlane& plane) {
 /// Tries places of one cut among others.
 class NearestPlace {
 public:
-    NearestPlace(const CutSurface& surface, const std::vector<const Prepared*>& others, const CutPlane& plane, int cut, const Progress& progress)
-        : surface_(surface), plane_(plane), progress_(progress) {
+    NearestPlace(const CutSurface& surface, const std::vector<TriedCut>& cuts, int cut, const Progress& progress)
+        : surface_(surface), plane_(cuts[static_cast<std::size_t>(cut)].plane), progress_(progress) {
         // Cuts that are refused for themselves are left out, and of those that touch each other the later ones: one refusal is all that is said of many cuts, and it must not be theirs.
-        for (std::size_t c = 0; c < others.size(); ++c)
-            if (static_cast<int>(c) != cut && *others[c]) others_.push_back(**others[c]);
+        for (std::size_t c = 0; c < cuts.size(); ++c)
+            if (static_cast<int>(c) != cut && cuts[c].prepared) others_.push_back(*cuts[c].prepared);
         while (!progress.cancelled()) {
             const auto touching = findTouching(surface, others_);
             if (!touching) break;
@@ -114,11 +111,10 @@ private:
 };
 
 /// Says in a refusal where the plane would work.
-void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<const Prepared*>& prepared, std::span<const CutPlane> cuts,
-                const Progress& progress) {
+void addNearest(CutRefusal& refusal, const CutSurface& surface, const std::vector<TriedCut>& cuts, const Progress& progress) {
     if (refusal.cut < 0 || refusal.code == "bad-value") return;
-    const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)];
-    const auto offset = NearestPlace(surface, prepared, plane, refusal.cut, progress).offset();
+    const CutPlane& plane = cuts[static_cast<std::size_t>(refusal.cut)].plane;
+    const auto offset = NearestPlace(surface, cuts, refusal.cut, progress).offset();
     if (!offset) return;
     refusal.nearest = CutPlane{plane.origin + *offset * plane.normal.stableNormalized(), plane.normal};
     refusal.message += formatted(" It works %.3g m %s its normal.", std::abs(*offset), *offset > 0.0 ? "along" : "against");
@@ -133,11 +129,8 @@ const Operation<tl::expected<std::vector<BodyPiece>, CutRefusal>(TriangleMesh, s
 }  // namespace
 
 struct BodyCutter::State {
-    using Key = std::array<double, 6>;
-    static Key keyOf(const CutPlane& p) { return {p.origin[0], p.origin[1], p.origin[2], p.normal[0], p.normal[1], p.normal[2]}; }
-
-    std::optional<CutSurface> surface;  ///< of a body that can be cut
-    std::vector<std::pair<Key, Prepared>> last;  ///< the cuts that were asked for last
+    std::optional<CutSurface> surface;  ///< none: the body cannot be cut
+    std::vector<TriedCut> last;         ///< the cuts that were asked for last
 };
 
 BodyCutter::BodyCutter(const TriangleMesh& body) : state_(std::make_unique<State>()) {
@@ -152,28 +145,27 @@ tl::expected<std::vector<BodyPiece>, CutRefusal> BodyCutter::cut(std::span<const
     if (!state_->surface)
         return refuse(refusalOf({"not-closed", "The body is not a closed surface that faces outward; repair or wrap it before it is cut."}, -1));
     const CutSurface& surface = *state_->surface;
-    std::vector<std::pair<State::Key, Prepared>> known = std::move(state_->last);
-    state_->last.clear();
-    for (std::size_t c = 0; c < cuts.size(); ++c) {
+    const std::vector<TriedCut> before = std::exchange(state_->last, {});
+    std::vector<TriedCut>& tried = state_->last;
+    for (const CutPlane& plane : cuts) {
         if (progress.cancelled()) return cancelled();
-        progress.report("cut", static_cast<double>(c) / static_cast<double>(cuts.size() + 1));
-        const State::Key key = State::keyOf(cuts[c]);
-        const auto before = std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == key; });
-        state_->last.emplace_back(key, before != known.end() ? before->second : prepare(surface, cuts[c]));
+        progress.report("cut", static_cast<double>(tried.size()) / static_cast<double>(cuts.size() + 1));
+        const auto known = std::find_if(before.begin(), before.end(), [&](const TriedCut& t) { return t.plane.origin == plane.origin && t.plane.normal == plane.normal; });
+        tried.push_back(known != before.end() ? *known : TriedCut{plane, prepare(surface, plane)});
     }
-    std::vector<const Prepared*> prepared;
-    for (const auto& [key, p] : state_->last) prepared.push_back(&p);
-    for (std::size_t c = 0; c < cuts.size(); ++c) {
-        if (*prepared[c]) continue;
-        CutRefusal refusal = refusalOf(prepared[c]->error(), static_cast<int>(c));
-        addNearest(refusal, surface, prepared, cuts, progress);
+    std::vector<PreparedCut> sound;
+    for (std::size_t c = 0; c < tried.size(); ++c) {
+        if (tried[c].prepared) {
+            sound.push_back(*tried[c].prepared);
+            continue;
+        }
+        CutRefusal refusal = refusalOf(tried[c].prepared.error(), static_cast<int>(c));
+        addNearest(refusal, surface, tried, progress);
         return refuse(std::move(refusal));
     }
     if (progress.cancelled()) return cancelled();
-    std::vector<PreparedCut> sound;
-    for (const Prepared* p : prepared) sound.push_back(**p);
     auto pieces = assemblePieces(surface, sound);
-    if (!pieces) addNearest(pieces.error(), surface, prepared, cuts, progress);
+    if (!pieces) addNearest(pieces.error(), surface, tried, progress);
     return pieces;
 }
 

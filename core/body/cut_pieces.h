@@ -18,6 +18,12 @@ struct PreparedCut {
     PlaneRegion region;
 };
 
+/// A cut that was asked for, and what became of it alone.
+struct TriedCut {
+    CutPlane plane;
+    Result<PreparedCut> prepared;
+};
+
 /// The pieces that sections make of a body, see cutBody(). Refusals: "cuts-touch", "does-not-separate", "empty-piece", "section-touches-itself".
 /// `only`: makes and judges the pieces beside this cut alone, -1: all.
 tl::expected<std::vector<BodyPiece>, CutRefusal> assemblePieces(const CutSurface& surface, std::span<const PreparedCut> cuts, int only = -1);

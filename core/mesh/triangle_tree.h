@@ -30,7 +30,7 @@ public:
     [[nodiscard]] Hit nearestFacing(const Vec3& point, const Vec3& direction) const { return search<true>(point, direction); }
     /// All triangles with a point at most `distance` away, ascending, and perhaps some that are a little farther.
     [[nodiscard]] std::vector<std::int32_t> within(const Vec3& point, double distance) const;
-    /// Whether `found(triangle)` says yes to a triangle of those in boxes that `reaches(low, high)`.
+    /// True where `found(triangle)` is true of a triangle. Only those are asked about that lie in boxes of which `reaches(low, high)` is true.
     template <class Reaches, class Found>
     [[nodiscard]] bool any(const Reaches& reaches, const Found& found) const {
         std::array<std::int32_t, kDeepest> open{};

@@ -288,13 +288,14 @@ SolvedSize solvedSize(const TriangleMesh& body, std::span<const JointFace> faces
 Result<CoarserLevel> coarserLevel(const TriangleMesh& body, std::span<const JointFace> faces, const SolvedBody& fine, const Progress& progress) {
     CoarserLevel out;
     if (fine.filling) {
+        const BodySurface surface(body, faces);
         const auto most = static_cast<int>(fine.mesh.mesh.vertices.rows());
         VolumeDetail detail = coarserVolume(fine.detail, fine.decimated);
-        auto coarse = volumeBody(BodySurface(body, faces), detail, progress, most);
-        // A body that cannot be decimated that far would be filled as it is, with several times the nodes: coarser at rims alone is coarser, too.
+        auto coarse = volumeBody(surface, detail, progress, most);
+        // A body that cannot be decimated that far would be filled as it is, with several times the nodes. Longer edges at rims alone make it coarser, too.
         if (!coarse && coarse.error().code == "no-filling") {
             detail.vertices = fine.detail.vertices, detail.growth = fine.detail.growth, detail.crease = fine.detail.crease;
-            coarse = volumeBody(BodySurface(body, faces), detail, progress, most);
+            coarse = volumeBody(surface, detail, progress, most);
         }
         if (!coarse) return tl::make_unexpected(coarse.error());
         out.body = std::move(*coarse);

@@ -36,7 +36,7 @@ public:
             Vec3 n = (b - a).cross(c - a).normalized();
             if (n.dot(p[k] - a) > 0.0) n = -n;
             normals_[k] = n;
-            most_[k] = std::max({n.dot(p[0]), n.dot(p[1]), n.dot(p[2]), n.dot(p[3])}) + kMargin;  // of all corners: any direction divides rightly, that of a needle too
+            most_[k] = std::max({n.dot(p[0]), n.dot(p[1]), n.dot(p[2]), n.dot(p[3])}) + kMargin;  // over all corners: right for any direction, also that of a needle's face
         }
     }
     [[nodiscard]] bool box(const Vec3& low, const Vec3& high) const {
@@ -58,7 +58,7 @@ private:
     std::array<double, 4> most_{};
 };
 
-/// What CGAL asks of the triangles: exact answers where a topology hangs on them, distances in doubles. CGAL's own takes four times as long.
+/// What CGAL asks of the triangles: exact answers where a topology hangs on them, distances in doubles. CGAL's own oracle tests boxes exactly, too, which takes more time than all else.
 class Oracle {
 public:
     using Geom_traits = CGAL::Alpha_wraps_3::internal::Alpha_wrap_AABB_traits<Kernel>;
