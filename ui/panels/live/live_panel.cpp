@@ -5,6 +5,7 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -17,7 +18,7 @@
 namespace imomushi {
 namespace {
 
-constexpr int kSourcesWidth = 240, kFormWidth = 312;
+constexpr int kSourcesWidth = 256, kFormWidth = 312;
 
 QFrame* wall(QWidget* parent) {
     auto* line = named(new QFrame(parent), "wall");
@@ -37,7 +38,13 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, TakeDeck& deck
     letGo_->setIcon(themedIcon(QStringLiteral("let-go")));
     letGo_->setFocusPolicy(Qt::TabFocus);
     connect(letGo_, &QPushButton::clicked, actions["let-go"], &QAction::trigger);
-    fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{8}, Share{sources_, 1}, letGo_);
+    auto* scroll = new QScrollArea(left_);  // of sources alone: what lets go is always seen
+    scroll->setWidgetResizable(true);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setWidget(sources_);
+    usePanelBackground(sources_);
+    fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{8}, Share{scroll, 1}, letGo_);
 
     auto* middle = new QWidget(this);
     guide_ = named(new QLabel(middle), "guide");
