@@ -212,6 +212,7 @@ void checkThrown(const std::string& sample) {
     const char* given = std::getenv("IMOMUSHI_SOAK_FRAMES");
     const int frames = given ? std::clamp(std::atoi(given), 1, 100'000) : repeats(600, 2000);
     OnGround scene(sample, {"bone-dynamics", "smooth-joints", "bend-warp", "joint-dynamics", "gravity", "inflate", "touch", "contact", "ground"});
+    scene.w.solveCoarsely();
     scene.w.good({{"do", "precompute"}});
     std::vector<std::string> ends;
     for (const auto& [id, bone] : scene.w.session.document().bones)

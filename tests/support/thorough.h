@@ -5,10 +5,13 @@
 
 namespace imomushi {
 
-/// How often a test of chance repeats: `usual`, or `all` of its bar where packaging/thorough.sh runs it (IMOMUSHI_THOROUGH).
-inline int repeats(int usual, int all) {
-    const char* thorough = std::getenv("IMOMUSHI_THOROUGH");
-    return thorough && *thorough ? all : usual;
+/// Whether packaging/thorough.sh runs the tests (IMOMUSHI_THOROUGH).
+inline bool thorough() {
+    const char* set = std::getenv("IMOMUSHI_THOROUGH");
+    return set && *set;
 }
+
+/// How often a test of chance repeats: `usual`, or `all` of its bar.
+inline int repeats(int usual, int all) { return thorough() ? all : usual; }
 
 }  // namespace imomushi
