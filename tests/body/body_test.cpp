@@ -184,6 +184,29 @@ TEST_CASE("body: one surface whose flesh overlaps itself gives a body that does 
     CHECK(volume(body) > 0.9 * meshFacts(curl).volume);
 }
 
+TEST_CASE("body: fans of hundreds of triangles that cross are untangled within seconds") {
+    // A low drum; the middle of its lid pierces the bottom. What takes the number of triangles at a vertex to the power of four, as CGAL's normals do, does not end here.
+    constexpr int kAround = 600;
+    TriangleMesh drum;
+    drum.vertices.resize(2 * kAround + 2, 3);
+    drum.triangles.resize(4 * kAround, 3);
+    for (int i = 0; i < kAround; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kAround;
+        for (int end = 0; end < 2; ++end) drum.vertices.row(end * kAround + i) << 0.5 * std::cos(angle), 0.3 * end, 0.5 * std::sin(angle);
+        const int j = (i + 1) % kAround;
+        drum.triangles.row(4 * i) << i, kAround + i, kAround + j;
+        drum.triangles.row(4 * i + 1) << i, kAround + j, j;
+        drum.triangles.row(4 * i + 2) << 2 * kAround, i, j;
+        drum.triangles.row(4 * i + 3) << 2 * kAround + 1, kAround + j, kAround + i;
+    }
+    drum.vertices.row(2 * kAround) << 0.0, 0.0, 0.0;
+    drum.vertices.row(2 * kAround + 1) << 0.0, -0.01, 0.0;
+    const Body body = made(drum, BodyKind::Mended);
+    CHECK(has(body, "untangled"));
+    CHECK_FALSE(has(body, "self-intersection"));
+    CHECK(body.report.distanceRms < 1e-3);
+}
+
 TEST_CASE("body: a surface that touches itself, or crosses itself by no more than rounding, gets a little room there") {
     for (const double beyond : {-1e-9, -1e-12, 1e-12}) {
         // A pocket from the low end reaches the middle of a triangle of the high end.

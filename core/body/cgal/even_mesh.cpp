@@ -8,6 +8,7 @@
 
 #include "core/base/floating_point_guard.h"
 #include "core/body/cgal/surface_mesh.h"
+#include "core/body/cgal/vertex_normal.h"
 
 namespace imomushi {
 namespace {

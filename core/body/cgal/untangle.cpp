@@ -15,6 +15,7 @@
 
 #include "core/base/floating_point_guard.h"
 #include "core/body/cgal/surface_mesh.h"
+#include "core/body/cgal/vertex_normal.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/winding_tree.h"
 
