@@ -195,7 +195,9 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
     return out;
 }
 
-Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume, const Progress& progress) {
+/// `flesh`: the volume of a mended body of the same mesh, 0: there is none.
+Result<Body> wrap(const PreparedSurface& prepared, double detail, double flesh, const Progress& progress) {
+    const double volume = prepared.sameShape ? flesh : 0.0;  // a guess, as above
     IMOMUSHI_TRY(auto surface, wrappedBody(prepared.mesh, detail, volume, progress));
     Body body;
     body.mesh = std::move(surface.mesh);
@@ -242,15 +244,18 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
 
     auto mended = mend(render, bones, prepared, setting, true, progress.part(0.1, 0.2));
     if (!mended && mended.error().code == kCancelled) return tl::unexpected(mended.error());
-    // Measures the body, and what may take its place. A mended body that crosses itself cannot be solved everywhere, and one that lost flesh is not the mesh: one that carries no parts takes its place, or else a wrap, where it is neither
-    // and hangs together as well.
+    // Measures the body, and what may take its place. A mended body that crosses itself cannot be solved everywhere, one that lost flesh is not the mesh, and one in pieces falls apart: one that carries no parts takes its place, or else
+    // a wrap, where it does none of this, or less.
     const auto fits = [](const Body& body) { return !crossesItself(body) && body.report.distanceRms <= kFarOff && body.report.volumeError <= kMuchLost; };
     const auto replaceWhatFails = [&](Body& body) {
         measureDistance(render, prepared.mesh, body);
-        if (fits(body)) return;
+        const bool fitting = fits(body);
+        const bool pieces = std::ranges::any_of(body.report.issues, [](const MeshIssue& issue) { return issue.code == "components"; });  // a cavity is a surface of its own, too
+        if (fitting && !pieces) return;
+        const int most = body.report.components - (fitting ? 1 : 0);  // what fits but is in pieces is left for what is in fewer
         if (auto whole = mend(render, bones, prepared, setting, false, progress.part(0.15, 0.2))) {
             measureDistance(render, prepared.mesh, whole->body);
-            if (fits(whole->body) && whole->body.report.components <= body.report.components) {
+            if (fits(whole->body) && whole->body.report.components <= most) {
                 body = std::move(whole->body);
                 return;
             }
@@ -261,10 +266,10 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         measureDistance(render, prepared.mesh, *other);
         const bool crosses = crossesItself(body);
         const bool nearer = other->report.distanceRms < body.report.distanceRms && other->report.volumeError <= std::max(kMuchLost, body.report.volumeError);
-        const bool better = fits(*other) || (!crossesItself(*other) && (crosses || nearer));
-        if (!better || other->report.components > body.report.components) return;
-        other->report.issues.push_back({Severity::Info, "wrapped", crosses ? "A body of the mesh itself would cross itself: a new surface around everything was made."
-                                                                            : "A body of the mesh itself would lose too much of it: a new surface around everything was made.", 1, true, {}, {}});
+        const bool better = fits(*other) || (!fitting && !crossesItself(*other) && (crosses || nearer));
+        if (!better || other->report.components > most) return;
+        const std::string why = crosses ? "cross itself" : fitting ? "fall into pieces" : "lose too much of it";
+        other->report.issues.push_back({Severity::Info, "wrapped", "A body of the mesh itself would " + why + ": a new surface around everything was made.", 1, true, {}, {}});
         body = std::move(*other);
     };
     Result<Body> body = fail("no-volume", "");

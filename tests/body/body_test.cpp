@@ -113,6 +113,15 @@ TEST_CASE("body: holes are closed") {
     CHECK(volume(body) == doctest::Approx(1.0));
     CHECK(has(body, "open"));
     CHECK(body.report.volumeError < 0.0);  // an open mesh encloses nothing that could be compared
+    CHECK(made(without(box, {0, 1, 2}), BodyKind::Wrapped, BodyKind::Wrapped, 0.05).report.volumeError < 0.0);
+}
+
+TEST_CASE("body: parts that no link joins become one by a wrap") {
+    // Edge beside edge: no tube fits between them.
+    const Body body = made(both(boxOf(Vec3::Zero(), Vec3::Ones(), 1), boxOf(Vec3(1.0, 1.001, 0.2), Vec3(2.0, 2.0, 1.5), 1)), BodyKind::Wrapped);
+    CHECK(body.report.components == 1);
+    CHECK(has(body, "wrapped"));
+    CHECK_FALSE(has(body, "components"));
 }
 
 TEST_CASE("body: parts that overlap become one") {
