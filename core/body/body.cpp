@@ -185,7 +185,6 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
     out.body.report.how = out.exact ? BodyKind::Exact : BodyKind::Mended;
     auto& issues = out.body.report.issues;
     issues.insert(issues.begin(), std::make_move_iterator(surface.issues.begin()), std::make_move_iterator(surface.issues.end()));
-    // What a mesh with holes encloses is a guess.
     if (prepared.sameShape) {
         double flesh = meshFacts(out.body.mesh).volume;
         for (const FleshLink& link : surface.links) flesh -= link.volume;
@@ -195,9 +194,7 @@ Result<Mended> mend(const TriangleMesh& render, const BodyBones& bones, const Pr
     return out;
 }
 
-/// `flesh`: the volume of a mended body of the same mesh, 0: there is none.
-Result<Body> wrap(const PreparedSurface& prepared, double detail, double flesh, const Progress& progress) {
-    const double volume = prepared.sameShape ? flesh : 0.0;  // a guess, as above
+Result<Body> wrap(const PreparedSurface& prepared, double detail, double volume, const Progress& progress) {
     IMOMUSHI_TRY(auto surface, wrappedBody(prepared.mesh, detail, volume, progress));
     Body body;
     body.mesh = std::move(surface.mesh);
@@ -260,11 +257,12 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
                 return;
             }
         }
-        const double flesh = meshFacts(body.mesh).volume / (1.0 - std::min(body.report.volumeError, 0.9));
+        const bool crosses = crossesItself(body);
+        // Of a mesh that was changed, the volume says nothing where caps and what crosses count against each other, or where its surfaces were taken apart.
+        const double flesh = !prepared.sameShape && (crosses || fitting) ? 0.0 : meshFacts(body.mesh).volume / (1.0 - std::min(body.report.volumeError, 0.9));
         auto other = wrap(prepared, setting.detail, flesh, progress.part(0.2, 0.95));
         if (!other) return;
         measureDistance(render, prepared.mesh, *other);
-        const bool crosses = crossesItself(body);
         const bool nearer = other->report.distanceRms < body.report.distanceRms && other->report.volumeError <= std::max(kMuchLost, body.report.volumeError);
         const bool better = fits(*other) || (!fitting && !crossesItself(*other) && (crosses || nearer));
         if (!better || other->report.components > most) return;
@@ -290,6 +288,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
         measureDistance(render, prepared.mesh, *body);
     }
     BodyReport& report = body->report;
+    if (!prepared.sameShape) report.volumeError = -1.0;  // what a mesh with holes encloses is a guess
     report.issues.insert(report.issues.begin(), prepared.issues.begin(), prepared.issues.end());
     if (report.how == BodyKind::Wrapped)
         for (MeshIssue& issue : report.issues)
