@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "core/base/union_find.h"
 #include "core/document/embed_model.h"
+#include "core/document/limb_hinges.h"
 #include "core/document/names.h"
 #include "core/joints/seam.h"
 #include "core/skeleton/body_follows.h"
@@ -249,6 +250,7 @@ Result<CharacterPlan> planCharacter(const Document& document) {
             elementOf.push_back(element == document.elements.end() ? -1 : static_cast<int>(std::distance(document.elements.begin(), element)));
         }
         letBodyFollow(skeleton, document.settings.bodyFollows, elementOf);
+        addLimbHinges(plan, document);
     }
 
     // Elements.

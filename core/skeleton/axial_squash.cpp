@@ -26,23 +26,30 @@ AxialSquash::AxialSquash(const Skeleton& skeleton) : skeleton_(skeleton), bonesA
     stack_.reserve(skeleton.points.size());
 }
 
+bool AxialSquash::isHinge(int a, int b) const {
+    const auto hinged = [&](int child, int parent) { return skeleton_.bones[child].parent == parent && skeleton_.bones[child].hinge.squaredNorm() > 0.0; };
+    return hinged(a, b) || hinged(b, a);
+}
+
 void AxialSquash::addChain(int start, int end) {
     Chain chain;
     chain.start = start;
     chain.end = end;
     chain.first = static_cast<int>(bones_.size());
     double along = 0.0;
+    bool folds = false;  // at a knee or an elbow
     for (int at = end; at != start;) {
         const auto& bone = skeleton_.bones[via_[at]];
         bones_.push_back(via_[at]);
         along += bone.length;
+        folds = folds || (at != end && isHinge(via_[at], bones_[bones_.size() - 2]));
         chain.least = std::max(chain.least, bone.minStretch + kReserve);
         at = bone.start + bone.end - at;
     }
     chain.last = static_cast<int>(bones_.size());
     chain.length = (skeleton_.points[end] - skeleton_.points[start]).norm();
     chain.straightness = chain.length / along;
-    if (chain.straightness >= kRestStraight && chain.least < 1.0)
+    if (!folds && chain.straightness >= kRestStraight && chain.least < 1.0)
         chains_.push_back(chain);
     else
         bones_.resize(static_cast<std::size_t>(chain.first));

@@ -9,7 +9,7 @@
 namespace imomushi {
 
 /// Straight chains that are pushed along their axis squash before they fold. A chain is the path of bones between two held points where nothing else that is
-/// held hangs on it, straight at rest to kRestStraight. While its pose is straight, too, and its targets come together along its axis, the natural lengths of its
+/// held hangs on it, straight at rest to kRestStraight and without a hinge (Skeleton::Bone), which folds. While its pose is straight, too, and its targets come together along its axis, the natural lengths of its
 /// bones follow the distance of the targets: compression then carries no force, so that nothing buckles. This ends where the first bone of the chain is within
 /// kReserve of its least length, or where a target leaves the axis; from there on natural lengths are those of rest and the chain folds (RodEnergy's side force
 /// says to which side). A bent chain never squashes. Allocates in its constructor only.
@@ -38,6 +38,8 @@ private:
     };
     void findChains(const std::vector<char>& held);
     void addChain(int start, int end);
+    // Whether two bones that meet are a limb with a knee or an elbow.
+    [[nodiscard]] bool isHinge(int a, int b) const;
     // Part of the squash, 0 ... 1, for a distance `apart` of the targets of a chain whose pose has the ends `along` apart.
     double partOf(Chain& chain, const Vec3& apart, const Vec3& along, const std::vector<Vec3>& points) const;
 

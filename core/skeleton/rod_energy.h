@@ -29,6 +29,8 @@ struct IkTargets {
 ///   stretch  (strain^2 / 2) L per bone of rest length L, strain from its natural length, and a cubic barrier beyond the bone's stretch limits
 ///   bend     k |kappa|^2 / 2 per pair of neighbours, |kappa| = 2 tan(angle / 2) the discrete curvature, which keeps bones from folding flat, and a cubic barrier
 ///            beyond the bend limit of the child
+///            A hinge (Skeleton::Bone) resists more across its axis and backwards, and the curvature that costs nothing is not 0 but what lets both bones have their rest lengths between the ends
+///            that they have: what pushes a straight limb together folds it. That curvature follows from the pose alone and is fixed at the point of linearisation.
 ///   direction  K |kappa|^2 / 2 between a bone whose direction is held, or that is upright (Skeleton::Bone), and that direction
 ///   target   a spring whose force saturates, so that targets out of reach do not tear the body
 ///   side     a linear load across compressed straight bones, fixed at the point of linearisation: it chooses a side to buckle to
@@ -64,12 +66,21 @@ public:
     [[nodiscard]] bool turnsBeyond(double cosine, const std::vector<Vec3>& points) const;
 
 private:
+    // Two bones of a limb: root, joint and tip are joint points.
+    struct Hinge {
+        bool is = false;
+        int root = -1, joint = -1, tip = -1;
+        double upper = 0.0, lower = 0.0, apart = 0.0;  // m at rest: of the bones, and between root and tip
+        double angle = 0.0;                            // rad at rest, between the bones
+        double slack = 0.0;                            // Skeleton::Bone::foldSlack
+    };
     // Two neighbouring bones and the joint points they have between them.
     struct Bend : BendPoints {
         int parent = -1, child = -1;
         double stiffness = 0.0;
         double limit = 0.0;  // of the discrete curvature, 0 and not `limited`: none
         bool limited = false;
+        Hinge hinge;
     };
     struct Tension {
         double force = 0.0, slope = 0.0, energy = 0.0;
@@ -80,6 +91,12 @@ private:
     [[nodiscard]] Tension stop(const Bend& bend, double curvature) const;
     // Adds it to the gradient and to `system`, at the discrete curvature r with its derivatives by the points of the bend.
     void addStop(const Bend& bend, const Vec3& r, const Eigen::Matrix3d* jacobian, BlockCholesky<3>& system);
+    // The discrete curvature of a hinge that costs nothing where root and tip are so far apart, >= 0.
+    [[nodiscard]] static double folded(const Hinge& hinge, double apart);
+    // The energy of a bend over its stiffness at the discrete curvature r, of its hinge with the axis `axis` now and the curvature `fold` that costs nothing.
+    [[nodiscard]] static double hingeEnergy(const Vec3& r, const Vec3& axis, double fold);
+    // Adds a hinge to the gradient and to `system`: discrete curvature r with its derivatives; `parent` is the direction of the parent over its length.
+    void addHinge(const Bend& bend, std::size_t index, const Vec3& r, const Vec3& parent, const Eigen::Matrix3d* jacobian, BlockCholesky<3>& system);
     // Force of a target spring per metre at that distance, and its energy. The force falls with the distance: its secant as the stiffness majorises the
     // energy, so that steps descend (iteratively reweighted least squares).
     struct Pull {
@@ -98,6 +115,8 @@ private:
     // Of the last linearise().
     std::vector<Vec3> x_, gradient_, side_, direction_, bent_;
     std::vector<Eigen::Quaterniond> frames_;
+    std::vector<double> fold_;                // per bend: folded() of a hinge
+    std::vector<Vec3> axis_;                  // per bend: of a hinge, unit
     std::vector<double> bend2_;  // per bone: largest squared discrete curvature at its ends
 };
 

@@ -22,6 +22,11 @@ struct Skeleton {
         double maxTwist = kFreeTwist;  ///< rad, largest difference of roll between its ends
         double stiffness = 1.0;        ///< of its stretch and of the bend to its parent, relative to others, > 0
         double upright = 0.0;          ///< m: how stiffly it keeps its direction of rest, a torque over the unit of force (RodEnergy) per discrete curvature; 0: not at all
+        double swing = 1.0;            ///< times what resists its bend to its parent, > 0
+        /// Unit, at rest, across the bone: a knee or an elbow. It bends from its parent about this axis, right-handed, where their limb is pushed together, and hardly about others or back (RodEnergy);
+        /// zero: about any axis alike.
+        Vec3 hinge = Vec3::Zero();
+        double foldSlack = 0.01;       ///< of a hinge, > 0: a limb that is pushed together by less than about this part of its length hardly folds
         static constexpr double kFreeBend = 3.14159265358979323846, kFreeTwist = 20.0 * kFreeBend;  ///< no limit
         [[nodiscard]] bool limitsBend() const { return maxBend < kFreeBend; }
         [[nodiscard]] bool limitsTwist() const { return maxTwist < kFreeTwist; }

@@ -169,7 +169,64 @@ void checkShape(const std::string& file, const std::string& trunk, std::size_t f
     checkTouch(w, file, bones);
 }
 
+/// Drags `lower`/end, and says where the joint before it is then from the middle between the start of `upper` and that end, and by how much the trunk's bone `trunk` moved, in heights.
+struct Fold {
+    Vec3 joint;
+    double bend = 0.0;     ///< degrees between upper and lower
+    double shorter = 0.0;  ///< largest part of its length by which one of the two is shorter
+    double moved = 0.0;    ///< of the start of `upper`
+    double missed = 0.0;
+};
+Fold fold(Workbench& w, const std::string& upper, const std::string& lower, const Vec3& to, double height) {
+    const Ends rest = endsOf(w.session);
+    w.good({{"do", "drag"}, {"endpoint", lower + "/end"}, {"to", {to.x(), to.y(), to.z()}}});
+    w.good({{"do", "step"}, {"frames", 240}});
+    const Ends now = endsOf(w.session);
+    const auto &u = now.at(upper), &l = now.at(lower);
+    Fold out;
+    out.joint = (l[0] - 0.5 * (u[0] + l[1])) / height;
+    out.bend = turned(u, l);
+    for (const auto& name : {upper, lower}) out.shorter = std::max(out.shorter, 1.0 - (now.at(name)[1] - now.at(name)[0]).norm() / (rest.at(name)[1] - rest.at(name)[0]).norm());
+    out.moved = (u[0] - rest.at(upper)[0]).norm() / height;
+    out.missed = (l[1] - to).norm() / height;
+    MESSAGE(upper << " and " << lower << " bend by " << out.bend << " degrees, joint at " << out.joint.transpose() << ", shorter by " << 100.0 * out.shorter << " %, the limb's root moves by " << 100.0 * out.moved
+                  << " %, missed by " << 100.0 * out.missed << " % of the height");
+    w.good({{"do", "release"}, {"endpoint", lower + "/end"}});
+    w.good({{"do", "rest"}});
+    return out;
+}
+
+struct Limbs {
+    std::string name, upperLeg, lowerLeg, upperArm, lowerArm;  ///< "L" or "Left" stands where # is
+    double height = 0.0;
+};
+
 }  // namespace
+
+TEST_CASE("first touch: knees of a human go forward where its ankle is pushed up, elbows so that the forearm goes forward") {
+    for (const Limbs& limbs : {Limbs{"mannequin.glb", "rig:#UpLeg", "rig:#Leg", "rig:#Arm", "rig:#ForeArm", 1.79}, Limbs{"avatar.glb", "upperLeg.#", "lowerLeg.#", "upperArm.#", "lowerArm.#", 1.46}}) {
+        Workbench w;
+        w.session.services().importCharacter = importCharacter;
+        w.good({{"do", "make-soft"}, {"path", IMOMUSHI_TEST_DATA "/characters/" + limbs.name}, {"precompute", false}, {"alive", true}});
+        for (const char* effect : {"bone-dynamics", "ground"}) w.good({{"do", "disable"}, {"effect", effect}});
+        const Ends rest = endsOf(w.session);
+        for (const bool left : {true, false}) {
+            const auto side = [&](std::string name) { return name.replace(name.find('#'), 1, name.starts_with("rig") ? (left ? "Left" : "Right") : (left ? "L" : "R")); };
+            const Vec3 ankle = rest.at(side(limbs.lowerLeg))[1];
+            const Fold knee = fold(w, side(limbs.upperLeg), side(limbs.lowerLeg), ankle + Vec3(0, 0.2 * limbs.height, 0), limbs.height);
+            CHECK(knee.joint.z() > 0.05);
+            CHECK(std::abs(knee.joint.x()) < 0.03);
+            CHECK(knee.bend > 45.0);
+            CHECK(knee.shorter < 0.05);
+            const Vec3 shoulder = rest.at(side(limbs.upperArm))[0], wrist = rest.at(side(limbs.lowerArm))[1];
+            const Fold elbow = fold(w, side(limbs.upperArm), side(limbs.lowerArm), 0.4 * wrist + 0.6 * shoulder, limbs.height);
+            CHECK(elbow.joint.z() < -0.05);
+            CHECK(elbow.bend > 75.0);
+            CHECK(elbow.shorter < 0.05);
+            CHECK(elbow.moved < 0.1);  // 16 % without hinges
+        }
+    }
+}
 
 TEST_CASE("first touch: what is made alive has its effects, and without the key nothing is enabled") {
     const std::string file = IMOMUSHI_TEST_DATA "/characters/panda.glb";
