@@ -327,7 +327,26 @@ void DocumentResponses::insert(const ContentKey& key, std::shared_ptr<const Elem
 
 void DocumentResponses::bring(PartId element, const StoredResponse& response) {
     store_->insert(response.key, response.response);
-    last_.insert_or_assign(element, response);
+    StoredResponse taken = response;
+    const auto kept = document_.elements.contains(element) ? fittingOf(element) : nullptr;
+    if (kept && response.shape == shapeOf(element) && kept->touch.columns() == 0 && response.response->touch.columns() > 0 && !isFresh(element, response) &&
+        last_.contains(element) && kept->freeVertices == response.response->freeVertices) {
+        auto both = std::make_shared<ElementResponse>(*kept);
+        both->touch = response.response->touch;
+        ContentHasher hasher;  // a key of its own: it is neither of the two
+        hasher.text("patches of a draft");
+        for (const ContentKey& key : {last_.at(element).key, response.key}) hasher.bytes(&key, sizeof key);
+        taken = {hasher.key(), response.shape, std::move(both)};
+        auto& drafts = known(element).drafts;
+        if (drafts.empty()) drafts = answeringKeys(inputOfDraft(element));
+        drafts.push_back(taken.key);
+    }
+    last_.insert_or_assign(element, std::move(taken));
+}
+
+bool DocumentResponses::lacksPatches(PartId element) const {
+    const auto fitting = inputOf(element).touch > 0 ? fittingOf(element) : nullptr;
+    return fitting && fitting->touch.columns() == 0;
 }
 
 // ---- the project -------------------------------------------------------------------------------------------------------

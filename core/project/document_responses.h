@@ -68,6 +68,8 @@ public:
     [[nodiscard]] bool isFresh(PartId element, const StoredResponse& response) const;
     /// The fitting one is a draft (inputOfDraft()), not what the element's settings ask for.
     [[nodiscard]] bool isDraft(PartId element) const;
+    /// The fitting one has no patches, and effects ask for them.
+    [[nodiscard]] bool lacksPatches(PartId element) const;
 
     // ---- what it costs
     /// Cost of the precompute, whether or not the response exists. Of a shared response: the cost of carrying it over, without solving its source.
@@ -83,7 +85,7 @@ public:
     std::set<PartId> computeTogether(std::span<const PartId> elements, const Progress& progress);
     /// Takes in a response that was computed from inputOf(), or carried over from a congruent element.
     void insert(const ContentKey& key, std::shared_ptr<const ElementResponse> response, bool carried);
-    /// Takes in a response that came with an element from a project file, or a draft.
+    /// Takes in a response that came with an element from a project file, or a draft. Where a fitting response lacks nothing but patches that a draft has, it stays and takes these: it is a draft then.
     void bring(PartId element, const StoredResponse& response);
 
     // ---- the project

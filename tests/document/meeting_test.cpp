@@ -3,10 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <memory>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/document/effect_meetings.h"
+#include "core/reduction/element_response.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -106,6 +109,34 @@ TEST_CASE("contact that waits: who has met is in the file, is named, and is not 
     // Always on, on all.
     again.good({{"do", "enable"}, {"effect", "contact"}, {"auto", false}});
     CHECK(again.session.document().effects.has(EffectKind::Contact, again.session.document().elementNamed("C")->id));
+}
+
+TEST_CASE("contact: patches of a draft go with the answer that is there, and it presses before its own are computed") {
+    Bars bars;
+    bars.w.good({{"do", "enable"}, {"effect", "contact"}, {"auto", false}});
+    DocumentResponses& responses = bars.w.session.responses();
+    for (const char* name : {"A", "B"}) {
+        const PartId id = bars.id(name);
+        CHECK(responses.lacksPatches(id));
+        const auto before = responses.fittingOf(id);
+        const ResponseInput input = responses.inputOfDraft(id);
+        auto draft = buildResponse(input, Progress());
+        REQUIRE(draft);
+        responses.bring(id, {responseKey(input), responses.shapeOf(id), std::make_shared<const ElementResponse>(std::move(*draft))});
+        CHECK_FALSE(responses.lacksPatches(id));
+        CHECK(responses.isDraft(id));
+        const auto now = responses.fittingOf(id);
+        CHECK(now->response == before->response);
+        CHECK(now->touch.columns() > 0);
+    }
+    CHECK(bars.w.session.responseState(bars.id("A")) == Session::ResponseState::Stale);
+    bars.beside(0.9);
+    CHECK(bars.dented("B", 1) > 0.02);
+    CHECK(bars.dented("B", 1) < 0.1);
+    // Its own take their place.
+    bars.w.good({{"do", "precompute"}});
+    CHECK(bars.w.session.responseState(bars.id("A")) == Session::ResponseState::Fresh);
+    CHECK_FALSE(responses.isDraft(bars.id("A")));
 }
 
 TEST_CASE("contact that waits: the same bytes for any number of threads, and a body that swings goes on swinging when flesh meets") {

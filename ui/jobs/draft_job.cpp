@@ -60,7 +60,7 @@ bool DraftJob::wants(PartId id) const {
     const auto element = document_.document().elements.find(id);
     if (element == document_.document().elements.end() || element->second->faces.empty() || element->second->mesh->body.vertices.rows() > kLargest) return false;
     const auto& responses = document_.session().responses();
-    return !responses.fittingOf(id) && !failed_.contains(responses.shapeOf(id));
+    return (!responses.fittingOf(id) || responses.lacksPatches(id)) && !failed_.contains(responses.shapeOf(id));
 }
 
 void DraftJob::start() {
@@ -131,10 +131,13 @@ void DraftJob::bring(const std::vector<std::pair<PartId, StoredResponse>>& made)
     DocumentResponses& responses = document_.responses();
     std::vector<std::pair<PartId, StoredResponse>> fitting;
     for (const auto& one : made)
-        if (document_.document().elements.contains(one.first) && responses.shapeOf(one.first) == one.second.shape && !responses.fittingOf(one.first)) fitting.push_back(one);
+        if (document_.document().elements.contains(one.first) && responses.shapeOf(one.first) == one.second.shape && (!responses.fittingOf(one.first) || responses.lacksPatches(one.first))) fitting.push_back(one);
     if (fitting.empty()) return;
     Q_EMIT document_.responsesArriving();
-    for (const auto& [element, response] : fitting) responses.bring(element, response);
+    for (const auto& [element, response] : fitting) {
+        responses.bring(element, response);
+        if (responses.lacksPatches(element)) failed_.insert(response.shape);  // a body without room for patches
+    }
     Q_EMIT document_.responsesChanged();
     Q_EMIT document_.poseChanged();
 }
