@@ -258,8 +258,7 @@ Result<Body> makeBodyHere(const TriangleMesh& render, const std::vector<std::int
             }
         }
         const bool crosses = crossesItself(body);
-        // Of a mesh that was changed, the volume says nothing where caps and what crosses count against each other, or where its surfaces were taken apart.
-        const double flesh = !prepared.sameShape && (crosses || fitting) ? 0.0 : meshFacts(body.mesh).volume / (1.0 - std::min(body.report.volumeError, 0.9));
+        const double flesh = meshFacts(body.mesh).volume / (1.0 - std::clamp(body.report.volumeError, 0.0, 0.9));  // nothing is known to be lost where that is negative
         auto other = wrap(prepared, setting.detail, flesh, progress.part(0.2, 0.95));
         if (!other) return;
         measureDistance(render, prepared.mesh, *other);

@@ -169,14 +169,15 @@ void checkShape(const std::string& file, const std::string& trunk, std::size_t f
     checkTouch(w, file, bones);
 }
 
-/// Drags `lower`/end, and says where the joint before it is then from the middle between the start of `upper` and that end, and by how much the trunk's bone `trunk` moved, in heights.
+/// How a limb of two bones folds.
 struct Fold {
-    Vec3 joint;
+    Vec3 joint;            ///< heights: of the knee or elbow, from the middle between both ends of the limb
     double bend = 0.0;     ///< degrees between upper and lower
     double shorter = 0.0;  ///< largest part of its length by which one of the two is shorter
-    double moved = 0.0;    ///< of the start of `upper`
-    double missed = 0.0;
+    double moved = 0.0;    ///< heights: by the start of the limb
+    double missed = 0.0;   ///< heights: from its end to where it was dragged
 };
+/// Drags the end of `lower` to `to`, m, and lets it go again. `height`: of the character, m.
 Fold fold(Workbench& w, const std::string& upper, const std::string& lower, const Vec3& to, double height) {
     const Ends rest = endsOf(w.session);
     w.good({{"do", "drag"}, {"endpoint", lower + "/end"}, {"to", {to.x(), to.y(), to.z()}}});
