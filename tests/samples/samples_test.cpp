@@ -158,6 +158,17 @@ TEST_CASE("samples: the script beside the meshes makes what the project file hol
     }
 }
 
+TEST_CASE("samples: the mended body of the dragon carries its wings and is far from them, so that by itself a wrap takes its place, whatever its openings enclose") {
+    const TestFolder folder;
+    std::ofstream(folder / "wrap.jsonl") << Json{{"do", "import-character"}, {"path", (kSamples / "dragon/dragon.glb").string()}, {"name", "dragon"}}.dump() << "\n";
+    const auto answers = run(folder.path(), folder / "wrap.jsonl");
+    REQUIRE(!answers.empty());
+    const Json& body = answers.back()["body"];
+    CHECK(body["how"] == "wrapped");
+    CHECK(body["distance"]["rms"].get<double>() < 0.02);  // what the report calls far
+    CHECK(body["volume_error"].is_null());
+}
+
 TEST_CASE("samples: the dragon's file has parts, openings, a skeleton, clips and a morph target, and its script makes what the project file holds, here with coarse answers") {
     const TestFolder folder;
     fs::create_directory(folder / "dragon");
