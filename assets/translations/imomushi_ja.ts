@@ -1893,8 +1893,8 @@
             <translation>平らな部分をクリック：関節面 · Shift+クリック：平面 · Ctrl：奥の面を見る</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
         </message>
         <message>
             <source>There are no bones and no handles yet. Place them with their tools.</source>
@@ -1953,8 +1953,8 @@
             <translation>前計算</translation>
         </message>
         <message>
-            <source>Move: push along · Wheel or Ctrl+drag: deeper or less deep · Shift: fine · Esc: take back</source>
-            <translation>動かす：押しずらす · ホイールか Ctrl+ドラッグ：深く・浅く · Shift：細かく · Esc：取り消し</translation>
+            <source>Move: push along · Wheel, Ctrl+drag or a typed number: depth · Shift: fine · Esc: take back</source>
+            <translation>動かす：押しずらす · ホイール、Ctrl+ドラッグ、数値の入力：深さ · Shift：細かく · Esc：取り消し</translation>
         </message>
         <message>
             <source>The effect “Touch” is off. Click the surface to be asked about it</source>
@@ -1989,8 +1989,8 @@
             <translation>平面をドラッグ：切断面を移動 · 矢印をドラッグ：向き · Delete：削除</translation>
         </message>
         <message>
-            <source>Release: cut here · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel</source>
-            <translation>離す：ここで切る · Shift：細かく · Ctrl：軸に合わせる · X、Y、Z：向き · Esc：取り消し</translation>
+            <source>Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel</source>
+            <translation>離す：ここで切る · 数値を入力 · Shift：細かく · Ctrl：軸に合わせる · X、Y、Z：向き · Esc：取り消し</translation>
         </message>
         <message>
             <source>Esc: cancel</source>
@@ -2120,12 +2120,12 @@
             <translation>ドラッグ：ここで体を引っぱる</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴を起こしておく · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴を起こしておく · Esc：取り消し</translation>
         </message>
         <message>
             <source>Stretched as far as it goes</source>
@@ -2150,6 +2150,38 @@
         <message>
             <source>Let it go</source>
             <translation>支えを外す</translation>
+        </message>
+        <message>
+            <source>The plane across %1 is seen from its edge: turn the view, or type numbers</source>
+            <translation>%1 に垂直な平面が真横から見えています：視点を回すか、数値を入力してください</translation>
+        </message>
+        <message>
+            <source>%1 is seen end on: turn the view, or type a number</source>
+            <translation>%1 軸が正面を向いています：視点を回すか、数値を入力してください</translation>
+        </message>
+        <message>
+            <source>Across %1</source>
+            <translation>%1 に垂直な平面上</translation>
+        </message>
+        <message>
+            <source>Along %1</source>
+            <translation>%1 軸に沿う</translation>
+        </message>
+        <message>
+            <source>Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Esc: cancel</source>
+            <translation>クリックか Enter：確定 · G、R、S：移動、回転、拡大縮小 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: pass by joint faces · Esc: cancel</source>
+            <translation>離す：端をここに置く · X、Y、Z：軸を固定 · 数値を入力 · Ctrl：関節面に吸い付かない · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click: start of a bone · Drag: move this end</source>
+            <translation>クリック：ボーンの始点 · ドラッグ：この端を動かす</translation>
+        </message>
+        <message>
+            <source>Click: start of a bone · G, R, S: move, turn, scale the selected bones</source>
+            <translation>クリック：ボーンの始点 · G、R、S：選択したボーンを移動、回転、拡大縮小</translation>
         </message>
     </context>
     <context>
@@ -4019,6 +4051,22 @@
         <message>
             <source>While dragging the end of a bone: the trunk leans, too, or stays upright</source>
             <translation>ボーンの端をドラッグ中：胴も傾ける、または起こしておく</translation>
+        </message>
+        <message>
+            <source>While dragging: across an axis</source>
+            <translation>ドラッグ中：軸に垂直な平面上</translation>
+        </message>
+        <message>
+            <source>While dragging: how far, how much</source>
+            <translation>ドラッグ中：どれだけ動かすか</translation>
+        </message>
+        <message>
+            <source>Numbers, like 12 cm, 30°, *1.5 or 1/3; Tab, Backspace, Enter</source>
+            <translation>数値（12 cm、30°、*1.5、1/3 など）。Tab、Backspace、Enter</translation>
+        </message>
+        <message>
+            <source>With the bone tool: move, turn, scale the selected bones</source>
+            <translation>ボーンツールで：選択したボーンを移動、回転、拡大縮小</translation>
         </message>
     </context>
     <context>

@@ -347,3 +347,107 @@ TEST_CASE("help: the list of keys has every key as it is set, in both languages"
             }
     }
 }
+
+namespace {
+
+/// The end of a bone of the caterpillar, held by the mouse.
+struct DraggedEnd : Window {
+    EndpointRef end;
+    DraggedEnd() {
+        open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+        trigger("tool-pose");
+        end = {now().boneNamed("head-bone")->id, true};
+        settle();
+        const QPoint at = view().onScreen(end)->toPoint();
+        QTest::mouseMove(&view(), at);
+        QTest::mousePress(&view(), Qt::LeftButton, {}, at);
+        REQUIRE(view().tools().busy());
+        view().setFocus();
+    }
+    /// A key of a Linux keyboard as its layout tells it: the place, and what is printed there.
+    void press(int driver, int key, const QString& text, Qt::KeyboardModifiers modifiers = {}) {
+        QKeyEvent override(QEvent::ShortcutOverride, key, modifiers, quint32(driver + 8), 0, 0, text);
+        QApplication::sendEvent(&view(), &override);
+        CHECK(override.isAccepted());
+        QKeyEvent event(QEvent::KeyPress, key, modifiers, quint32(driver + 8), 0, 0, text);
+        QApplication::sendEvent(&view(), &event);
+    }
+    Vec3 target() { return now().goals.at(end).target; }
+};
+
+}  // namespace
+
+TEST_CASE("numbers while dragging: the keys of US, French, German and Japanese layouts type them, the keypad does not turn the view, and one drag is one step") {
+    DraggedEnd w;
+    const int before = w.document().session().position();
+    const auto from = w.document().session().positionOf(w.end);
+    REQUIRE(from.has_value());
+    const Vec3 eye = w.view().cameraController().camera().eye;
+    const auto says = [&](const char* text) { return w.view().tools().tool().banner().contains(QString::fromUtf8(text)); };
+    // French: X, then the unshifted "&", "é" and the minus right of "0".
+    w.press(45, Qt::Key_X, QStringLiteral("x"));
+    w.press(51, Qt::Key_Comma, QStringLiteral(","));
+    w.press(2, Qt::Key_Ampersand, QStringLiteral("&"));
+    w.press(3, Qt::Key_Eacute, QStringLiteral("é"));
+    w.press(12, Qt::Key_ParenRight, QStringLiteral(")"));
+    CHECK(w.now().goals.contains(w.end));
+    CHECK(says("-.12▏ = -12 cm"));
+    for (int i = 0; i < 5; ++i) w.press(14, Qt::Key_Backspace, QStringLiteral("\b"));
+    CHECK(!says("▏"));
+    // The keypad, with and without its lock.
+    w.press(82, Qt::Key_Insert, {}, Qt::KeypadModifier);
+    w.press(83, Qt::Key_Comma, QStringLiteral(","), Qt::KeypadModifier);
+    w.press(79, Qt::Key_1, QStringLiteral("1"), Qt::KeypadModifier);
+    w.press(81, Qt::Key_PageDown, {}, Qt::KeypadModifier);
+    CHECK(says("0.13▏ = 13 cm"));
+    CHECK(w.view().cameraController().camera().eye == eye);
+    // German: "/" is Shift and the digit 7. Then Tab, which stays in the view, and digits of the US and of Japan.
+    w.press(8, Qt::Key_Slash, QStringLiteral("/"), Qt::ShiftModifier);
+    w.press(3, Qt::Key_2, QStringLiteral("2"));
+    CHECK(says("0.13/2▏ = 6.5 cm"));
+    w.press(45, Qt::Key_X, QStringLiteral("x"));  // free again
+    w.press(15, Qt::Key_Tab, QStringLiteral("\t"));
+    CHECK(w.view().hasFocus());
+    w.press(2, Qt::Key_1, QStringLiteral("1"));
+    w.press(46, Qt::Key_C, QStringLiteral("c"));
+    w.press(50, Qt::Key_M, QStringLiteral("m"));
+    CHECK(says("1cm▏ = 1 cm"));
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.view().onScreen(w.end)->toPoint());
+    CHECK(!w.view().tools().busy());
+    CHECK(w.document().session().position() == before + 1);
+    CHECK((w.target() - *from - Vec3(0.065, 0.01, 0)).norm() < 1e-9);
+}
+
+TEST_CASE("bones at rest: G moves what is selected without a button, a click keeps it and Esc takes it back") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    w.trigger("tool-bone");
+    const PartId bone = w.now().boneNamed("head-bone")->id;
+    w.document().select({{SelectionItem::Kind::Bone, bone, {}, false}});
+    const QPoint at = w.view().rect().center();
+    QTest::mouseMove(&w.view(), at);
+    w.settle();
+    const int before = w.document().session().position();
+    const auto place = [&] { return *w.document().session().positionOf({bone, true}); };
+    const Vec3 from = place();
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    REQUIRE(w.view().tools().busy());
+    QTest::mouseMove(&w.view(), at + QPoint(0, -30));
+    w.settle();
+    CHECK(w.view().tools().busy());  // no button is down, and it goes on
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    CHECK(!w.view().tools().busy());
+    CHECK(w.document().session().position() == before);
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    QTest::keyClick(&w.view(), Qt::Key_Y);
+    QTest::keyClicks(&w.view(), QStringLiteral("5 cm"));
+    w.shoot("bone-moved");
+    QTest::mouseClick(&w.view(), Qt::LeftButton, {}, at);
+    CHECK(!w.view().tools().busy());
+    CHECK(w.document().session().position() == before + 1);
+    CHECK((place() - from - Vec3(0, 0.05, 0)).norm() < 1e-9);
+    w.settle();
+    w.trigger("undo");
+    CHECK((place() - from).norm() < 1e-9);
+}

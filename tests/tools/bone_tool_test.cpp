@@ -136,3 +136,99 @@ TEST_CASE("bone tool: shows bodies like glass, the bone to come and its ends") {
     CHECK((scene.markers[0].from - Vec3(-3, 0, 0)).norm() < 1e-6);
     CHECK((scene.markers[0].to - Vec3(0, 0, 0)).norm() < 1e-6);
 }
+
+TEST_CASE("bone tool: an end that is there is dragged at rest, with all bones that meet there, in one step") {
+    ToolStage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    BoneTool tool(stage.document());
+    const int before = stage.steps();
+    stage.press(tool, Vec3(0, 0, 0));
+    CHECK(tool.busy());
+    stage.pull(tool, Vec3(0.4, 0.2, 0));
+    CHECK(stage.steps() == before);  // only shown
+    render::Scene scene;
+    tool.decorate(scene);
+    CHECK(scene.markers.size() == 3);
+    stage.letGo(tool, Vec3(0.4, 0.2, 0));
+    CHECK(stage.refusals.empty());
+    CHECK(stage.steps() == before + 1);
+    const Bone* first = stage.now().boneNamed("bone 1");
+    const Bone* second = stage.now().boneNamed("bone 2");
+    REQUIRE(std::holds_alternative<Vec3>(first->end));
+    CHECK((std::get<Vec3>(first->end) - Vec3(0.4, 0.2, 0)).norm() < 1e-9);
+    CHECK(second->start == Bone::Place(EndpointRef{first->id, true}));
+    CHECK((*endpointPosition(stage.session(), {second->id, false}) - Vec3(0.4, 0.2, 0)).norm() < 1e-9);
+    CHECK(!tool.pending());
+    // And back to the centre of the joint face, which it takes.
+    stage.press(tool, Vec3(0.4, 0.2, 0));
+    stage.pull(tool, Vec3(0.02, 0.01, 0));
+    stage.letGo(tool, Vec3(0.02, 0.01, 0));
+    CHECK(std::holds_alternative<FaceRef>(stage.now().boneNamed("bone 1")->end));
+    stage.run({{"do", "undo"}});
+    stage.run({{"do", "undo"}});
+    CHECK(stage.now().boneNamed("bone 1")->end == Bone::Place(FaceRef{stage.element("left").id, "joint"}));
+}
+
+TEST_CASE("bone tool: numbers are typed while an end is dragged, and Esc leaves it where it was") {
+    ToolStage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    BoneTool tool(stage.document());
+    const int before = stage.steps();
+    stage.press(tool, Vec3(3, 0, 0));
+    CHECK(tool.key(Qt::Key_Y, {}, QStringLiteral("y")));
+    for (const QChar sign : QStringLiteral("10 cm")) CHECK(tool.key(0, {}, QString(sign)));
+    CHECK(tool.banner().contains(QStringLiteral("10 cm")));
+    stage.letGo(tool, Vec3(3, 0, 0));
+    CHECK((std::get<Vec3>(stage.now().boneNamed("bone 2")->end) - Vec3(3, 0.1, 0)).norm() < 1e-9);
+    CHECK(stage.steps() == before + 1);
+    stage.press(tool, Vec3(3, 0.1, 0));
+    stage.pull(tool, Vec3(2, 0.3, 0));
+    tool.cancel();
+    CHECK(!tool.busy());
+    CHECK(stage.steps() == before + 1);
+}
+
+TEST_CASE("bone tool: G, R and S move, turn and scale the selected bones without a button") {
+    ToolStage stage;
+    addTwoBones(stage);
+    stage.look(ViewAxis::Front);
+    BoneTool tool(stage.document());
+    const auto type = [&](const QString& signs) {
+        for (const QChar sign : signs) CHECK(tool.key(0, {}, QString(sign)));
+    };
+    const auto at = [&](const char* bone, bool end) { return *endpointRestPosition(stage.now(), {stage.now().boneNamed(bone)->id, end}); };
+    CHECK(!tool.wants(Qt::Key_G));
+    stage.hover(tool, Vec3(1, 1.2, 0));
+    stage.document().select({SelectionItem{Kind::Bone, stage.now().boneNamed("bone 2")->id, {}, false}});
+    CHECK(tool.wants(Qt::Key_R));
+    const int before = stage.steps();
+    // A quarter turn about the middle of the bone, which stays.
+    CHECK(tool.key(Qt::Key_R, {}, QStringLiteral("r")));
+    CHECK(tool.modal());
+    type(QStringLiteral("90"));
+    stage.press(tool, Vec3(1, 1.2, 0));
+    CHECK(!tool.busy());
+    CHECK(stage.steps() == before + 1);
+    CHECK((at("bone 2", false) - Vec3(1.5, -1.5, 0)).norm() < 1e-9);
+    CHECK((at("bone 2", true) - Vec3(1.5, 1.5, 0)).norm() < 1e-9);
+    stage.run({{"do", "undo"}});
+    CHECK(tool.key(Qt::Key_S, {}, QStringLiteral("s")));
+    type(QStringLiteral("50%"));
+    CHECK(tool.key(Qt::Key_Return, {}, {}));
+    CHECK((at("bone 2", false) - Vec3(0.75, 0, 0)).norm() < 1e-9);
+    CHECK((at("bone 2", true) - Vec3(2.25, 0, 0)).norm() < 1e-9);
+    stage.run({{"do", "undo"}});
+    // By the pointer, along one axis.
+    CHECK(tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    CHECK(tool.key(Qt::Key_Y, {}, QStringLiteral("y")));
+    stage.hover(tool, Vec3(2, 1.5, 0));
+    stage.press(tool, Vec3(2, 1.5, 0));
+    CHECK((at("bone 2", true) - Vec3(3, 0.3, 0)).norm() < 1e-6);
+    stage.run({{"do", "undo"}});
+    CHECK(tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    tool.cancel();
+    CHECK((at("bone 2", true) - Vec3(3, 0, 0)).norm() < 1e-9);
+    CHECK(stage.steps() == before);
+}

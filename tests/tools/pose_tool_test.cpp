@@ -327,3 +327,61 @@ TEST_CASE("pose tool: where flesh is not soft in a moment, the nearest grip move
     CHECK(stage.now().handleGoals.size() == 1);
     stage.letGo(stage.tool, Vec3(0.5, 0.3, 0.5));
 }
+
+TEST_CASE("pose tool: typed numbers lead in the place of the pointer, axis by axis, and the drag is one step") {
+    PoseStage stage;
+    const int before = stage.steps();
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    const auto type = [&](const QString& signs) {
+        for (const QChar sign : signs) CHECK(stage.tool.key(sign == u'\t' ? Qt::Key_Tab : 0, {}, sign == u'\t' ? QString() : QString(sign)));
+    };
+    type(QStringLiteral("-20 cm\t1/2"));
+    REQUIRE(stage.held());
+    CHECK((stage.held()->target - Vec3(2.8, 0.5, 0)).norm() < 1e-9);
+    CHECK(stage.tool.banner().contains(QStringLiteral("1/2")));
+    stage.pull(stage.tool, Vec3(2.5, 0.9, 0));
+    CHECK((stage.held()->target - Vec3(2.8, 0.5, 0)).norm() < 1e-9);
+    // Backspace, until the pointer leads again.
+    for (int i = 0; i < 3; ++i) stage.tool.key(Qt::Key_Backspace, {}, {});
+    CHECK((stage.held()->target - Vec3(2.8, 0, 0)).norm() < 1e-9);
+    stage.tool.key(Qt::Key_Backspace, {}, {});
+    CHECK((stage.held()->target - Vec3(2.5, 0.9, 0)).norm() < 1e-9);
+    CHECK(stage.tool.banner().isEmpty());
+    // A number that is typed, and then an axis for it; also one that is seen end on.
+    type(QStringLiteral("0.25"));
+    CHECK(stage.tool.key(Qt::Key_Y, {}, QStringLiteral("y")));
+    CHECK((stage.held()->target - Vec3(3, 0.25, 0)).norm() < 1e-9);
+    CHECK(stage.tool.key(Qt::Key_Z, {}, QStringLiteral("z")));
+    CHECK((stage.held()->target - Vec3(3, 0, 0.25)).norm() < 1e-9);
+    CHECK(stage.tool.key(Qt::Key_Return, {}, {}));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 1);
+    CHECK((stage.held()->target - Vec3(3, 0, 0.25)).norm() < 1e-9);
+}
+
+TEST_CASE("pose tool: Shift and an axis confine the drag to the plane across it") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.key(Qt::Key_X, Qt::ShiftModifier, QStringLiteral("X")));
+    render::Scene scene;
+    stage.tool.decorate(scene);
+    CHECK(scene.markers.size() == 2);
+    CHECK(stage.tool.banner().contains(QStringLiteral("edge")));
+    CHECK(stage.tool.key(0, {}, QStringLiteral("1")));
+    CHECK((stage.held()->target - Vec3(3, 1, 0)).norm() < 1e-9);
+    stage.tool.cancel();
+    CHECK(!stage.held());
+}
+
+TEST_CASE("pose tool: an angle is typed while R is held") {
+    PoseStage stage;
+    stage.press(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.tool.key(Qt::Key_R, {}, QStringLiteral("r")));
+    for (const QChar sign : QStringLiteral("45")) CHECK(stage.tool.key(0, {}, QString(sign)));
+    stage.tool.keyReleased(Qt::Key_R);
+    REQUIRE(stage.held());
+    CHECK(stage.held()->roll.value_or(0.0) == doctest::Approx(std::atan(1.0)));
+    CHECK(stage.tool.banner().contains(QStringLiteral("45")));
+    stage.letGo(stage.tool, Vec3(3, 0, 0));
+    CHECK(stage.held()->roll.value_or(0.0) == doctest::Approx(std::atan(1.0)));
+}

@@ -35,10 +35,13 @@ ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation,
         {tr("The end of a bone behind the one under the pointer"), tr("Tab, or a second click")},
         {tr("Pin what is under the pointer, with the drag tool"), QStringLiteral("P")},
         {tr("While dragging: along one axis"), QStringLiteral("X, Y, Z")},
+        {tr("While dragging: across an axis"), QStringLiteral("Shift+X, Y, Z")},
+        {tr("While dragging: how far, how much"), tr("Numbers, like 12 cm, 30°, *1.5 or 1/3; Tab, Backspace, Enter")},
         {tr("While dragging: turn"), tr("R or wheel")},
         {tr("While dragging the end of a bone: the trunk leans, too, or stays upright"), QStringLiteral("B")},
         {tr("While dragging: finer, in steps"), tr("Shift, Ctrl")},
         {tr("While dragging flesh: keep the temporary handle"), QStringLiteral("K")},
+        {tr("With the bone tool: move, turn, scale the selected bones"), QStringLiteral("G, R, S")},
         {tr("Cut here, or accept a proposal"), tr("Enter")},
     };
     Rows commands;  // keys can be changed

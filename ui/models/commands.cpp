@@ -218,6 +218,7 @@ Json setBoneParent(const std::string& bone, const std::string& parent, const std
 }
 
 Json setBoneElement(const std::string& bone, const std::string& element) { return {{"do", "edit-bone"}, {"name", bone}, {"element", element}}; }
+Json placeEnd(const std::string& bone, bool atEnd, const std::variant<std::string, Vec3>& to) { return {{"do", "edit-bone"}, {"name", bone}, {atEnd ? "to" : "from", place(to)}}; }
 Json removeBone(const std::string& name) { return {{"do", "remove-bone"}, {"name", name}}; }
 
 Json precompute() { return {{"do", "precompute"}}; }

@@ -180,6 +180,8 @@ Json addBone(const NewBone& bone);
 Json setBoneParent(const std::string& bone, const std::string& parent, const std::optional<std::string>& from = {});
 /// `element`: empty: none.
 Json setBoneElement(const std::string& bone, const std::string& element);
+/// `place`: a joint face, an endpoint, or a point at rest (m).
+Json placeEnd(const std::string& bone, bool atEnd, const std::variant<std::string, Vec3>& place);
 Json removeBone(const std::string& name);
 
 /// All elements, or these.

@@ -95,15 +95,10 @@ bool BoneTool::stillThere(const Spot& spot) const {
     return true;
 }
 
-std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
+// Centres of joint faces, also where a body hides them: it is seen through.
+std::optional<FaceRef> BoneTool::faceUnder(const PointerEvent& e) const {
     const Session& session = document_.session();
     const Document& d = document_.document();
-    PointerEvent seen = e;
-    seen.bonesVisible = true;  // this tool shows them
-    if (const auto end = pickEndpoint(session, seen)) return spotAt(*end);
-    if (e.modifiers & Qt::ShiftModifier) return std::nullopt;
-
-    // Centres of joint faces, also where a body hides them: it is seen through.
     double nearest = kFaceCentrePixels;
     std::optional<FaceRef> best;
     for (const auto& [id, element] : d.elements) {
@@ -120,7 +115,18 @@ std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
             best = FaceRef{id, face.name};
         }
     }
-    if (best) return spotAt(*best);
+    return best;
+}
+
+std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
+    const Session& session = document_.session();
+    const Document& d = document_.document();
+    PointerEvent seen = e;
+    seen.bonesVisible = true;  // this tool shows them
+    if (const auto end = pickEndpoint(session, seen)) return spotAt(*end);
+    if (e.modifiers & Qt::ShiftModifier) return std::nullopt;
+
+    if (const auto face = faceUnder(e)) return spotAt(*face);
 
     const auto hits = rayHits(session, e.rayOrigin, e.rayDirection);
     const auto entry = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
@@ -134,7 +140,29 @@ std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
     return Spot{rest, 0.5 * (entry->point + exit->point), rest, {entry->element}};
 }
 
+std::optional<BoneDrag::Place> BoneTool::placeUnder(const PointerEvent& e) const {
+    if (!dragged_) return std::nullopt;
+    const Session& session = document_.session();
+    const int own = session.pointIndex(*dragged_);
+    PointerEvent seen = e;
+    seen.bonesVisible = true;
+    for (const EndpointRef& end : endpointsUnder(session, seen)) {
+        // The other end of a bone is no place for this one.
+        const bool same = session.pointIndex(end) == own || session.pointIndex({end.bone, !end.atEnd}) == own;
+        if (const auto spot = same ? std::nullopt : spotAt(end)) return BoneDrag::Place{spot->place, spot->shown};
+    }
+    const auto face = faceUnder(e);
+    const auto at = face ? facePosition(session, *face) : std::nullopt;
+    return at ? std::optional(BoneDrag::Place{*face, *at}) : std::nullopt;
+}
+
+bool BoneTool::bonesSelected() const {
+    return std::any_of(document_.selection().begin(), document_.selection().end(), [](const SelectionItem& item) { return item.kind == SelectionItem::Kind::Bone || item.kind == SelectionItem::Kind::Endpoint; });
+}
+
 void BoneTool::move(const PointerEvent& e) {
+    last_ = e;
+    if (drag_.busy()) return drag_.move(e, drag_.seeksPlace() ? placeUnder(e) : std::nullopt);
     hovered_ = spotUnder(e);
     if (start_ && !stillThere(*start_)) start_.reset();
     std::optional<SelectionItem> item;
@@ -149,6 +177,26 @@ void BoneTool::move(const PointerEvent& e) {
 
 void BoneTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton) return;
+    if (drag_.busy()) return (void)drag_.keep();
+    move(e);
+    const auto* end = hovered_ && !(e.modifiers & Qt::ShiftModifier) ? std::get_if<EndpointRef>(&hovered_->place) : nullptr;
+    if (end && drag_.press(*end, e)) {
+        dragged_ = *end;
+        return;
+    }
+    click(e);
+}
+
+// An end that is there is dragged, or clicked: which of both is known when the button is let go.
+void BoneTool::release(const PointerEvent& e) {
+    if (!drag_.busy() || drag_.modal() || e.button != Qt::LeftButton) return;
+    const EndpointRef end = *dragged_;
+    if (!drag_.keep()) return click(e);
+    document_.select({SelectionItem{SelectionItem::Kind::Endpoint, end.bone, {}, end.atEnd}});
+    move(e);
+}
+
+void BoneTool::click(const PointerEvent& e) {
     move(e);
     if (!hovered_) return;
     if (!start_ || (e.modifiers & Qt::ShiftModifier)) {
@@ -199,25 +247,46 @@ void BoneTool::addBone(const Spot& from, const Spot& to) {
     start_ = spotAt(EndpointRef{bone->id, true});
 }
 
-bool BoneTool::key(int key, Qt::KeyboardModifiers) {
+bool BoneTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (drag_.busy()) return drag_.key(key, modifiers, text);
+    if ((key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S) && last_ && modifiers == Qt::NoModifier) {
+        start_.reset();
+        dragged_.reset();
+        const auto does = key == Qt::Key_G ? BoneDrag::Does::Moves : key == Qt::Key_R ? BoneDrag::Does::Turns : BoneDrag::Does::Scales;
+        if (document_.selection().size() == 1 && document_.selection().front().kind == SelectionItem::Kind::Endpoint) {
+            dragged_ = EndpointRef{document_.selection().front().part, document_.selection().front().atEnd};
+            return drag_.begin(BoneDrag::Does::Moves, *last_);
+        }
+        return drag_.begin(does, *last_);
+    }
     if (!start_ || (key != Qt::Key_Return && key != Qt::Key_Enter)) return false;
     start_.reset();
     return true;
 }
 
+bool BoneTool::wants(int key) const {
+    if (key == Qt::Key_Return || key == Qt::Key_Enter) return start_.has_value();
+    return last_ && bonesSelected() && (key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S);
+}
+
 void BoneTool::cancel() {
+    if (drag_.busy()) return drag_.cancel();
     start_.reset();
     hovered_.reset();
 }
 
 QString BoneTool::hint() const {
+    if (drag_.busy()) return drag_.hint();
     if (document_.document().elements.empty()) return ToolTexts::tr("Import a mesh first");
     if (start_) return ToolTexts::tr("Click: end of the bone · Esc: end the chain");
+    if (hovered_ && std::holds_alternative<EndpointRef>(hovered_->place)) return ToolTexts::tr("Click: start of a bone · Drag: move this end");
+    if (bonesSelected()) return ToolTexts::tr("Click: start of a bone · G, R, S: move, turn, scale the selected bones");
     return ToolTexts::tr("Click: start of a bone (joint face, end of a bone, or inside a body)");
 }
 
 void BoneTool::decorate(render::Scene& scene) const {
     for (render::Body& body : scene.bodies) body.opacity = std::min(body.opacity, kXray);
+    if (drag_.busy()) return drag_.decorate(scene);
     const auto point = [&](const Spot& spot) {
         render::Marker marker;
         marker.shape = render::Marker::Shape::JointPoint;

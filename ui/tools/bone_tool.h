@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "ui/tools/bone_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
@@ -11,16 +12,21 @@ namespace imomushi {
 
 /// Places bones: a click sets the start, the next click the end, and the chain goes on from there until Esc. Ends go to the centres of joint faces, to
 /// ends of bones, or to the centre of the volume under the pointer. Shift+click starts a new chain at an end that exists.
+/// Ends that are there are dragged, at rest; G, R and S move, turn and scale the selected bones.
 class BoneTool : public Tool {
 public:
-    using Tool::Tool;
+    explicit BoneTool(StudioDocument& document) : Tool(document), drag_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
+    void release(const PointerEvent& e) override;
     void leave() override { hovered_.reset(); }
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
-    [[nodiscard]] bool wants(int key) const override { return start_ && (key == Qt::Key_Return || key == Qt::Key_Enter); }
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
+    [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
-    [[nodiscard]] bool pending() const override { return start_.has_value(); }
+    [[nodiscard]] bool busy() const override { return drag_.busy(); }
+    [[nodiscard]] bool modal() const override { return drag_.modal(); }
+    [[nodiscard]] bool pending() const override { return start_ || busy(); }
+    [[nodiscard]] QString banner() const override { return drag_.banner(); }
     [[nodiscard]] QString hint() const override;
     void decorate(render::Scene& scene) const override;
 
@@ -39,8 +45,16 @@ private:
     [[nodiscard]] std::optional<Spot> spotAt(const FaceRef& face) const;
     [[nodiscard]] bool stillThere(const Spot& spot) const;
     void addBone(const Spot& from, const Spot& to);
+    void click(const PointerEvent& e);
+    /// Where the end that is dragged would go.
+    [[nodiscard]] std::optional<BoneDrag::Place> placeUnder(const PointerEvent& e) const;
+    [[nodiscard]] std::optional<FaceRef> faceUnder(const PointerEvent& e) const;
+    [[nodiscard]] bool bonesSelected() const;
 
+    BoneDrag drag_;
+    std::optional<EndpointRef> dragged_;
     std::optional<Spot> start_, hovered_;
+    std::optional<PointerEvent> last_;  ///< where keys begin
 };
 
 /// The elements that have this place: the face's own and those joined to it, or the one that the bone of a free end runs through.

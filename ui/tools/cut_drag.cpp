@@ -68,7 +68,8 @@ bool CutDrag::press(const PointerEvent& e) {
     const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, taken->cut, {}, false});
     Drag drag;
     drag.centre = taken->frame.centre;
-    drag.normal = taken->frame.normal;
+    drag.normal = drag.turned = taken->frame.normal;
+    drag.sight = e.viewForward;
     const Vec3 tip = drag.centre + taken->frame.reach * drag.normal;
     drag.held = taken->turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
     drag.pressed = {e.x, e.y};
@@ -87,21 +88,40 @@ void CutDrag::move(const PointerEvent& e) {
     const CutFrame& frame = drag.grip.frame;
     if (drag.grip.turns) {
         const Vec3 under = e.onPlane(drag.held, e.viewForward, drag.held);
-        const Vec3 tip = drag.centre + frame.reach * drag.normal + e.pace() * (under - drag.held);
+        const Vec3 tip = frame.centre + frame.reach * drag.turned + e.pace() * (under - drag.held);
         drag.held = under;
-        if ((tip - drag.centre).norm() > 1e-3 * frame.reach) drag.normal = (tip - drag.centre).normalized();
+        drag.sight = e.viewForward;
+        if ((tip - frame.centre).norm() > 1e-3 * frame.reach) drag.turned = (tip - frame.centre).normalized();
         if (e.modifiers & Qt::ControlModifier)
             for (int axis = 0; axis < 3; ++axis)
-                if (std::abs(drag.normal[axis]) > kSnapCosine) drag.normal = std::copysign(1.0, drag.normal[axis]) * Vec3::Unit(axis);
+                if (std::abs(drag.turned[axis]) > kSnapCosine) drag.turned = std::copysign(1.0, drag.turned[axis]) * Vec3::Unit(axis);
     } else if (const auto along = alongLine(e, frame.centre, frame.normal); !along) {
         drag.along += e.pace() * (e.y - drag.lastY) * e.pixelAt(frame.centre) * (frame.normal.dot(e.viewForward) < 0.0 ? 1.0 : -1.0);
-        drag.centre = frame.centre + drag.along * frame.normal;
     } else {
         drag.along += e.pace() * (*along - (drag.held - frame.centre).dot(frame.normal));
         drag.held = frame.centre + *along * frame.normal;
-        drag.centre = frame.centre + drag.along * frame.normal;
     }
     drag.lastY = e.y;
+    place();
+}
+
+double CutDrag::pointed() const {
+    const Drag& drag = *drag_;
+    if (!drag.grip.turns) return drag.along;
+    // As the turn is seen.
+    const Vec3 from = drag.grip.frame.normal;
+    return std::atan2(drag.sight.dot(from.cross(drag.turned)), from.dot(drag.turned));
+}
+
+void CutDrag::place() {
+    Drag& drag = *drag_;
+    const CutFrame& frame = drag.grip.frame;
+    const double by = drag.typed.value(pointed());
+    drag.normal = drag.turned;
+    if (!drag.grip.turns)
+        drag.centre = frame.centre + by * frame.normal;
+    else if (drag.typed.leads())
+        drag.normal = (Eigen::AngleAxisd(by, drag.sight) * frame.normal).normalized();
     preview();
 }
 
@@ -124,7 +144,10 @@ void CutDrag::preview() {
 }
 
 void CutDrag::release(const PointerEvent& e) {
-    if (!drag_ || e.button != Qt::LeftButton) return;
+    if (drag_ && e.button == Qt::LeftButton) keep();
+}
+
+void CutDrag::keep() {
     const CutPlane to = plane();
     const Grip grip = drag_->grip;
     const bool moved = drag_->moved;
@@ -141,18 +164,29 @@ void CutDrag::release(const PointerEvent& e) {
         Q_EMIT document_.failed(reason);
 }
 
-bool CutDrag::key(int key) {
-    if (!drag_ || (key != Qt::Key_X && key != Qt::Key_Y && key != Qt::Key_Z)) return false;
-    const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
-    drag_->normal = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
+bool CutDrag::key(int key, const QString& text) {
+    if (!drag_) return false;
+    if (key == Qt::Key_Return || key == Qt::Key_Enter) {
+        keep();
+        return true;
+    }
+    if (key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z) {
+        const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
+        drag_->turned = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
+        if (drag_->grip.turns) drag_->typed.clear();
+    } else if (!drag_->typed.key(key, text, drag_->grip.turns ? TypedNumber::Of::Angle : TypedNumber::Of::Length, {})) {
+        return false;
+    }
     drag_->moved = true;
-    preview();
+    place();
     return true;
 }
 
+QString CutDrag::banner() const { return drag_ ? drag_->typed.shown({pointed(), 0.0, 0.0}) : QString(); }
+
 QString CutDrag::hint() const {
     if (!drag_) return ToolTexts::tr("Drag the plane: move the cut · Drag its arrow: turn · Delete: remove");
-    const QString keys = ToolTexts::tr("Release: cut here · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
+    const QString keys = ToolTexts::tr("Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
     return drag_->refusal.isEmpty() ? keys : drag_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
 }
 

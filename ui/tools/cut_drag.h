@@ -7,6 +7,7 @@
 #include "ui/scene/cut_frame.h"
 #include "ui/tools/cut_preview.h"
 #include "ui/tools/tool.h"
+#include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
@@ -22,8 +23,10 @@ public:
     void cancel() { drag_.reset(); }
     [[nodiscard]] bool busy() const { return drag_.has_value(); }
     [[nodiscard]] bool moved() const { return drag_ && drag_->moved; }
-    /// X, Y, Z turn the plane that is dragged to an axis. True: used.
-    bool key(int key);
+    /// X, Y, Z turn the plane that is dragged to an axis; typed numbers slide or turn it, Enter keeps it. True: used.
+    bool key(int key, const QString& text = {});
+    /// The number that is typed.
+    [[nodiscard]] QString banner() const;
     /// The pointer is over what can be dragged.
     [[nodiscard]] bool over(const PointerEvent& e) const { return grip(e).has_value(); }
     [[nodiscard]] QString hint() const;
@@ -42,6 +45,9 @@ private:
         Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
         double lastY = 0.0;                                  ///< of the pointer, pixels of the design
         double along = 0.0;                                  ///< that the plane was moved, m
+        Vec3 turned = Vec3::UnitX();                         ///< the normal that the pointer says
+        Vec3 sight = -Vec3::UnitZ();                         ///< unit, about which a typed angle turns
+        TypedNumber typed = {};
         bool moved = false;
         Eigen::Vector2d pressed = Eigen::Vector2d::Zero();   ///< logical pixels
         std::vector<std::vector<Vec3>> outline;              ///< of the section, world
@@ -49,7 +55,11 @@ private:
     };
     [[nodiscard]] std::optional<Grip> grip(const PointerEvent& e) const;
     [[nodiscard]] CutPlane plane() const;  ///< under way, at rest
+    /// Puts the plane where the pointer or the typed number says.
+    void place();
     void preview();
+    void keep();
+    [[nodiscard]] double pointed() const;
 
     StudioDocument& document_;
     std::optional<Drag> drag_;

@@ -321,8 +321,8 @@ void FaceTool::movePlane(double steps) {
     previewPlane();
 }
 
-bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers) {
-    if (drag_.busy()) return drag_.key(key);
+bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (drag_.busy()) return drag_.key(key, text);
     if ((key == Qt::Key_Delete || key == Qt::Key_Backspace) && !plane_) return removeSelection(document_);
     if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
     if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;

@@ -25,12 +25,13 @@ public:
         if (!plane_) clearPreview();
     }
     bool wheel(double notches, const PointerEvent& e) override;
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return drag_.busy(); }
     [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy(); }
     [[nodiscard]] QString hint() const override;
+    [[nodiscard]] QString banner() const override { return drag_.banner(); }
     void decorate(render::Scene& scene) const override;
 
 private:

@@ -116,8 +116,8 @@ bool HandleTool::wheel(double notches, const PointerEvent& e) {
     return true;
 }
 
-bool HandleTool::key(int key, Qt::KeyboardModifiers modifiers) {
-    if (busy()) return pose_.key(key, modifiers);
+bool HandleTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (busy()) return pose_.key(key, modifiers, text);
     if (key == Qt::Key_BracketLeft || key == Qt::Key_BracketRight) {
         grow(key == Qt::Key_BracketRight ? 1 : -1);
         return true;

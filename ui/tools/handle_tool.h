@@ -21,12 +21,13 @@ public:
     void leave() override;
     void doubleClick(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override;
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
     [[nodiscard]] bool busy() const override { return pose_.busy(); }
     [[nodiscard]] QString hint() const override;
+    [[nodiscard]] QString banner() const override { return pose_.banner(); }
     void decorate(render::Scene& scene) const override;
 
 private:

@@ -70,7 +70,7 @@ bool PartDrag::press(const PointerEvent& e) {
     const auto taken = grip(e);
     if (!taken) return false;
     over_.reset();
-    drag_ = Drag{*taken, nullptr, taken->at, e.x, e.y};
+    drag_ = Drag{*taken, nullptr, taken->at, e.x, e.y, e.viewForward};
     return true;
 }
 
@@ -90,6 +90,7 @@ void PartDrag::move(const PointerEvent& e) {
     const Vec3 under = e.onPlane(drag_->held, e.viewForward, drag_->held);
     const Vec3 step = e.pace() * (under - drag_->held);
     drag_->held = under;
+    if (drag_->typed.leads()) return;
     // About the axis across the line of sight and the way of the pointer, so that what is in front goes along.
     const double arm = std::max((grip.at - grip.pivot).norm(), kLeastArm * e.pixelAt(grip.pivot));
     turn(rotationOf((-e.viewForward).cross(step) / arm));
@@ -103,7 +104,22 @@ void PartDrag::release(const PointerEvent& e) {
 
 bool PartDrag::wheel(double notches, const PointerEvent& e) {
     if (!drag_) return false;
-    turn(rotationOf(-e.pace() * kTurnPerNotch * notches * e.viewForward));
+    const double by = e.pace() * kTurnPerNotch * notches;
+    if (drag_->typed.leads()) return true;
+    drag_->seen += by;
+    turn(rotationOf(-by * drag_->sight));
+    return true;
+}
+
+bool PartDrag::key(int key, const QString& text) {
+    if (key == Qt::Key_Return || key == Qt::Key_Enter) {
+        if (drag_->gesture) drag_->gesture->commit();
+        drag_.reset();
+    } else if (drag_->typed.key(key, text, TypedNumber::Of::Angle, {})) {
+        const double before = drag_->typedNow, seen = drag_->seen;
+        drag_->typedNow = drag_->typed.value(seen) - seen;
+        turn(rotationOf(-(drag_->typedNow - before) * drag_->sight));
+    }
     return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include "ui/models/gesture.h"
 #include "ui/tools/tool.h"
+#include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
@@ -20,6 +21,9 @@ public:
     void release(const PointerEvent& e);
     /// True: used.
     bool wheel(double notches, const PointerEvent& e);
+    /// Typed angles turn it about the line of sight, Enter keeps it. True: used.
+    bool key(int key, const QString& text);
+    [[nodiscard]] QString banner() const { return drag_ ? drag_->typed.shown({drag_->seen, 0.0, 0.0}) : QString(); }
     void cancel() { drag_.reset(); }
     [[nodiscard]] bool busy() const { return drag_.has_value(); }
     [[nodiscard]] bool moved() const { return drag_ && drag_->gesture; }
@@ -42,6 +46,9 @@ private:
         std::unique_ptr<Gesture> gesture;  ///< opened by the first real movement
         Vec3 held = Vec3::Zero();          ///< where the pointer was at the last move, m, world
         double pressX = 0, pressY = 0;     ///< logical pixels
+        Vec3 sight = -Vec3::UnitZ();       ///< unit
+        double seen = 0.0, typedNow = 0.0; ///< radians about the line of sight: by the wheel, and by the typed number
+        TypedNumber typed = {};
     };
     [[nodiscard]] std::optional<Grip> grip(const PointerEvent& e) const;
     /// `by`: in the world.

@@ -25,13 +25,10 @@ constexpr double kSnapPixels = 12.0;
 /// A passing handle is as large as others are at first, or this many times halved where something is in its way.
 constexpr int kHalvings = 3;
 
-/// The plane in which the pointer is read: across the view, or holding the locked axis and facing the viewer as far as it can.
-Vec3 dragPlane(const PointerEvent& e, int axis) {
-    if (axis < 0) return e.viewForward;
-    const Vec3 a = Vec3::Unit(axis);
-    const Vec3 n = e.viewForward - a.dot(e.viewForward) * a;
-    // Looking straight along the axis: it cannot be moved along with the pointer, and stays.
-    return n.norm() > 0.05 ? Vec3(n.normalized()) : Vec3::Zero();
+/// Where the pointer is in the plane of a drag. Rays that nearly run along that plane lead far away at once: what was there before stays.
+Vec3 pointerOn(const PointerEvent& e, const Vec3& point, const Vec3& normal) {
+    constexpr double kGrazing = 0.035;  // sine of two degrees
+    return std::abs(normal.dot(e.rayDirection)) > kGrazing ? e.onPlane(point, normal, point) : point;
 }
 
 }  // namespace
@@ -116,12 +113,13 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     drag.origin = drag.target = at;
     drag.pressX = drag.lastX = e.x;
     drag.pressY = drag.lastY = e.y;
-    drag.normal = dragPlane(e, -1);
+    drag.normal = e.viewForward;
     drag.grip = e.onPlane(at, drag.normal, at);
     if (grip.isHandle()) {
-        if (const auto pose = document_.session().poseOf(grip.handle)) drag.rotation = pose->rotation;
+        if (const auto pose = document_.session().poseOf(grip.handle)) drag.rotation = drag.fromRotation = pose->rotation;
     } else if (const auto held = document_.document().goals.find(grip.end); held != document_.document().goals.end()) {
         drag.roll = held->second.roll;
+        drag.fromRoll = drag.roll.value_or(0.0);
     }
     drag_ = std::move(drag);
     last_ = e;
@@ -166,12 +164,10 @@ void PoseTool::follow(const PointerEvent& e) {
     const double pace = e.pace();
     if (turning_ || (e.modifiers & Qt::AltModifier)) {
         turn(e);
-        if (drag.normal.norm() > 0.5) drag.grip = e.onPlane(drag.grip, drag.normal, drag.grip);
+        if (drag.normal.norm() > 0.5) drag.grip = pointerOn(e, drag.grip, drag.normal);
     } else if (drag.normal.norm() > 0.5) {
-        const Vec3 under = e.onPlane(drag.grip, drag.normal, drag.grip);
-        Vec3 step = pace * (under - drag.grip);
-        if (drag.axis >= 0) step = Vec3::Unit(drag.axis) * step[drag.axis];
-        drag.target += step;
+        const Vec3 under = pointerOn(e, drag.grip, drag.normal);
+        drag.target += drag.lock.confined(pace * (under - drag.grip));
         drag.grip = under;
     }
     drag.lastX = e.x;
@@ -184,31 +180,57 @@ void PoseTool::turn(const PointerEvent& e) {
     const double right = e.pace() * kRadiansPerPixel * (e.x - drag.lastX), down = e.pace() * kRadiansPerPixel * (e.y - drag.lastY);
     if (!drag.end.isHandle())
         drag.roll = drag.roll.value_or(0.0) + right;
-    else if (drag.axis >= 0)
-        drag.rotation = (Eigen::AngleAxisd(right, Vec3::Unit(drag.axis)) * drag.rotation).normalized();
+    else if (drag.lock.alongAxis())
+        drag.rotation = (Eigen::AngleAxisd(right, Vec3::Unit(drag.lock.axis())) * drag.rotation).normalized();
     else
         drag.rotation = (Eigen::AngleAxisd(right, e.viewRight.cross(e.viewForward)) * Eigen::AngleAxisd(down, e.viewRight) * drag.rotation).normalized();
 }
 
-void PoseTool::issue(const PointerEvent& e) {
-    Drag& drag = *drag_;
-    Vec3 to = drag.target;
+Vec3 PoseTool::turningAxis() const { return drag_->lock.alongAxis() ? Vec3(Vec3::Unit(drag_->lock.axis())) : Vec3(-last_->viewForward); }
+
+double PoseTool::turned() const {
+    const Drag& drag = *drag_;
+    if (!drag.end.isHandle()) return drag.roll.value_or(0.0) - drag.fromRoll;
+    const Eigen::Quaterniond by = drag.rotation * drag.fromRotation.conjugate();
+    return 2.0 * std::atan2(by.vec().dot(turningAxis()), by.w());
+}
+
+PoseTool::Aim PoseTool::aim(const PointerEvent& e) const {
+    const Drag& drag = *drag_;
+    Aim aim{drag.target, drag.roll, drag.rotation};
+    if (drag.typed.leads()) {
+        if (drag.typed.of() == TypedNumber::Of::Length) {
+            aim.to = drag.origin + drag.lock.fromAxes(drag.typed.values(drag.lock.toAxes(drag.target - drag.origin)));
+            return aim;
+        }
+        const double by = drag.typed.value(turned());
+        if (drag.end.isHandle())
+            aim.rotation = (Eigen::AngleAxisd(by, turningAxis()) * drag.fromRotation).normalized();
+        else
+            aim.roll = drag.fromRoll + by;
+    }
     if (e.modifiers & Qt::ControlModifier) {
         const double grid = std::pow(10.0, std::ceil(std::log10(kSnapPixels * e.pixelAt(drag.target))));
         for (int k = 0; k < 3; ++k)
-            if (drag.axis < 0 || drag.axis == k) to[k] = grid * std::round(to[k] / grid);
+            if (drag.lock.moves(k)) aim.to[k] = grid * std::round(aim.to[k] / grid);
     }
-    if (!allFinite(to)) return;
+    return aim;
+}
+
+void PoseTool::issue(const PointerEvent& e) {
+    Drag& drag = *drag_;
+    const Aim to = aim(e);
+    if (!allFinite(to.to)) return;
     // The first command takes hold and the last one leaves the answer in the document; in between the performance goes on, and is given where to.
     if (drag.held) {
         LiveInput input;
         input.kind = drag.end.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;
         input.end = drag.end.end;
         if (drag.end.isHandle()) input.handle = document_.session().plan().handleIndex(drag.end.handle);
-        input.target = to;
-        input.rotation = drag.rotation;
-        input.hasRoll = drag.roll.has_value();
-        input.roll = drag.roll.value_or(0.0);
+        input.target = to.to;
+        input.rotation = to.rotation;
+        input.hasRoll = to.roll.has_value();
+        input.roll = to.roll.value_or(0.0);
         if (document_.give(input)) {
             drag.given = to;
             return;
@@ -217,11 +239,11 @@ void PoseTool::issue(const PointerEvent& e) {
     command(to);
 }
 
-void PoseTool::command(const Vec3& to) {
+void PoseTool::command(const Aim& to) {
     Drag& drag = *drag_;
     const std::string path = pathOf(document_.document(), drag.end);
     drag.given.reset();
-    drag.held = document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to, drag.rotation) : commands::drag(path, to, drag.roll)).has_value();
+    drag.held = document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to.to, to.rotation) : commands::drag(path, to.to, to.roll)).has_value();
     if (!drag.held) cancel();
 }
 
@@ -235,7 +257,11 @@ void PoseTool::release(const PointerEvent& e) {
         flesh_.reset();
         return selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
     }
-    if (drag_->given) command(*drag_->given);
+    keep();
+}
+
+void PoseTool::keep() {
+    if (drag_->given) command(Aim(*drag_->given));
     if (!drag_) return;
     Session::Step named;
     if (drag_->passing) {
@@ -268,15 +294,16 @@ bool PoseTool::wheel(double notches, const PointerEvent& e) {
     const double pace = e.pace();
     const double angle = pace * kRadiansPerNotch * notches;
     if (drag_->end.isHandle())
-        drag_->rotation = (Eigen::AngleAxisd(angle, drag_->axis >= 0 ? Vec3(Vec3::Unit(drag_->axis)) : Vec3(-e.viewForward)) * drag_->rotation).normalized();
+        drag_->rotation = (Eigen::AngleAxisd(angle, turningAxis()) * drag_->rotation).normalized();
     else
         drag_->roll = drag_->roll.value_or(0.0) + angle;
     issue(e);
     return true;
 }
 
-bool PoseTool::key(int key, Qt::KeyboardModifiers) {
-    if (part_.busy()) return true;
+bool PoseTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (part_.busy()) return part_.key(key, text);
+    if (drag_ && type(key, text)) return true;
     if (key == Qt::Key_P) {
         if (drag_) return true;
         if (hovered_) {
@@ -310,20 +337,28 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers) {
         toggleFollowing();
         return true;
     }
-    if (key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z) {
-        const int axis = key - Qt::Key_X;
-        drag_->axis = drag_->axis == axis ? -1 : axis;
+    if (drag_->lock.key(key, modifiers)) {
         // The lock holds for the whole drag: what was moved across the axis is taken back.
-        drag_->normal = dragPlane(*last_, drag_->axis);
-        if (drag_->axis >= 0) {
-            const double along = (drag_->target - drag_->origin)[axis];
-            drag_->target = drag_->origin + along * Vec3::Unit(axis);
-        }
-        if (drag_->normal.norm() > 0.5) drag_->grip = last_->onPlane(drag_->target, drag_->normal, drag_->target);
+        drag_->normal = drag_->lock.plane(*last_);
+        drag_->target = drag_->origin + drag_->lock.confined(drag_->target - drag_->origin);
+        if (drag_->normal.norm() > 0.5) drag_->grip = pointerOn(*last_, drag_->target, drag_->normal);
+        if (drag_->typed.of() == TypedNumber::Of::Length) drag_->typed.setAxes(drag_->lock.axes());
         if (drag_->gesture) issue(*last_);
         return true;
     }
     return false;
+}
+
+bool PoseTool::type(int key, const QString& text) {
+    if (key == Qt::Key_Return || key == Qt::Key_Enter) {
+        keep();
+        return true;
+    }
+    const bool turns = drag_->typed.leads() ? drag_->typed.of() == TypedNumber::Of::Angle : turning_ || (last_->modifiers & Qt::AltModifier);
+    if (!drag_->typed.key(key, text, turns ? TypedNumber::Of::Angle : TypedNumber::Of::Length, turns ? std::string() : drag_->lock.axes())) return false;
+    if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
+    issue(*last_);
+    return true;
 }
 
 bool PoseTool::wants(int key) const {
@@ -357,15 +392,23 @@ void PoseTool::cancel() {
     turning_ = false;
 }
 
+QString PoseTool::banner() const {
+    if (part_.busy()) return part_.banner();
+    if (!drag_) return {};
+    const bool lengths = drag_->typed.of() == TypedNumber::Of::Length;
+    const QString typed = drag_->typed.shown(lengths ? drag_->lock.toAxes(drag_->target - drag_->origin) : std::array<double, 3>{turned(), 0.0, 0.0});
+    return typed.isEmpty() ? drag_->lock.text(*last_) : typed;
+}
+
 QString PoseTool::hint() const {
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
                                     : ToolTexts::tr("Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
-    if (drag_ && drag_->end.isHandle()) return ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
+    if (drag_ && drag_->end.isHandle()) return ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
     if (drag_)
-        return document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
-                                                               : ToolTexts::tr("X, Y, Z: lock axis · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel");
+        return document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
+                                                               : ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel");
     const Document& d = document_.document();
     if (letGo_) return ToolTexts::tr("K: bring the temporary handle back and keep it");
     if (overFlesh_) return ToolTexts::tr("Drag: pull the body here");
@@ -377,14 +420,7 @@ QString PoseTool::hint() const {
 
 void PoseTool::decorate(render::Scene& scene) const {
     part_.decorate(scene);
-    if (!drag_ || drag_->axis < 0) return;
-    // The locked axis, long enough to leave the screen in both directions.
-    const double reach = 4.0 * (scene.camera.eye - drag_->origin).norm() + scene.camera.orthoHeight;
-    render::Marker line;
-    line.shape = render::Marker::Shape::Axis;
-    line.from = drag_->origin - reach * Vec3::Unit(drag_->axis);
-    line.to = drag_->origin + reach * Vec3::Unit(drag_->axis);
-    scene.markers.push_back(std::move(line));
+    if (drag_) drag_->lock.decorate(scene, drag_->origin);
 }
 
 }  // namespace imomushi

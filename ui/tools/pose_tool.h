@@ -4,13 +4,15 @@
 #include <optional>
 
 #include "ui/models/gesture.h"
+#include "ui/tools/axis_lock.h"
 #include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
+#include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
-/// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
+/// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z, or across them; typed numbers lead in its place; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
 /// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go; B has the trunk follow from the first, or not. Flesh
 /// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
 /// Attached parts are turned about their pivots.
@@ -30,12 +32,13 @@ public:
     }
     void doubleClick(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override;
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return drag_ || flesh_ || part_.busy(); }
     [[nodiscard]] QString hint() const override;
+    [[nodiscard]] QString banner() const override;
     void decorate(render::Scene& scene) const override;
 
 private:
@@ -51,20 +54,29 @@ private:
         double radius = 0.0;        ///< m
         bool kept = false;
     };
+    /// Where it is dragged to.
+    struct Aim {
+        Vec3 to = Vec3::Zero();  ///< m
+        std::optional<double> roll;
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+    };
     struct Drag {
         PoseGrip end;
         std::unique_ptr<Gesture> gesture;   ///< opened by the first real movement: a click makes no undo step
         Vec3 origin = Vec3::Zero();       ///< where the end was when the drag began
-        Vec3 target = Vec3::Zero();       ///< before snapping
+        Vec3 target = Vec3::Zero();       ///< that the pointer says, before snapping
         Vec3 grip = Vec3::Zero();         ///< point of the drag plane under the pointer at the last move
         Vec3 normal = Vec3::UnitZ();      ///< of the plane through `target` in which the pointer moves
         double pressX = 0, pressY = 0, lastX = 0, lastY = 0;
-        int axis = -1;                    ///< 0, 1, 2: locked to x, y, z
-        std::optional<double> roll;       ///< of a bone's end, radians; none: never turned
-        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, from rest
+        AxisLock lock;
+        TypedNumber typed;
+        std::optional<double> roll;       ///< of a bone's end, radians; none: never turned. That the pointer says
+        Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of a handle, from rest. That the pointer says
+        double fromRoll = 0.0;            ///< when the drag began
+        Eigen::Quaterniond fromRotation = Eigen::Quaterniond::Identity();
         std::optional<Passing> passing;
         bool held = false;                ///< a command took hold of it
-        std::optional<Vec3> given;        ///< where the performance was told to take it since the last command, m
+        std::optional<Aim> given;         ///< where the performance was told to take it since the last command
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
     };
     /// A passing handle that went, and where it was let go.
@@ -79,8 +91,13 @@ private:
     [[nodiscard]] std::optional<RayHit> fleshUnder(const PointerEvent& e) const;
     /// Begins a drag as if the grip had been pressed.
     void take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e);
+    /// As the pointer and what is typed say; `last`: of the pointer.
+    [[nodiscard]] Aim aim(const PointerEvent& last) const;
+    /// How far the pointer turned it, radians, about the axis that a typed angle is of.
+    [[nodiscard]] double turned() const;
+    [[nodiscard]] Vec3 turningAxis() const;
     /// Drags it there by a command; where that is refused, the drag is cancelled.
-    void command(const Vec3& to);
+    void command(const Aim& to);
     /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
     bool makePassing(const Flesh& flesh);
     /// Brings the passing handle back that was let go last.
@@ -88,6 +105,10 @@ private:
     void follow(const PointerEvent& e);
     void turn(const PointerEvent& e);
     void issue(const PointerEvent& e);
+    /// Typed numbers, and Enter, of a drag. True: used.
+    bool type(int key, const QString& text);
+    /// Ends the drag as it is.
+    void keep();
     void toggle(const PoseGrip& grip);
     /// The trunk stays upright until the limb needs it, or leans with the limb from the first.
     void toggleFollowing();

@@ -377,7 +377,7 @@ bool ProposalTool::wants(int key) const {
                        (key == Qt::Key_X && history_.now().symmetry));
 }
 
-bool ProposalTool::key(int key, Qt::KeyboardModifiers) {
+bool ProposalTool::key(int key, Qt::KeyboardModifiers, const QString&) {
     if (over()) return false;
     if (drag_ || handedOver_) return wants(key);  // it ends by the mouse, or by itself
     switch (key) {

@@ -33,7 +33,7 @@ public:
     void release(const PointerEvent& e) override;
     void leave() override { hovered_ = {}, wouldCut_.reset(); }
     void doubleClick(const PointerEvent& e) override { press(e); }
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return drag_.has_value(); }

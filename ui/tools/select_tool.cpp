@@ -153,11 +153,11 @@ std::optional<QRectF> SelectTool::box() const {
     return QRectF(drag_->from, drag_->to).normalized();
 }
 
-bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers) {
+bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
     if (drag_) return true;
-    if (cut_.busy()) return cut_.key(key);
-    if (part_.busy()) return true;
-    if (busy()) return pose_.key(key, modifiers);
+    if (cut_.busy()) return cut_.key(key, text);
+    if (part_.busy()) return part_.key(key, text);
+    if (busy()) return pose_.key(key, modifiers, text);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
 }

@@ -17,13 +17,14 @@ public:
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override { return part_.busy() ? part_.wheel(notches, e) : pose_.wheel(notches, e); }
-    bool key(int key, Qt::KeyboardModifiers modifiers) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override { return cut_.busy() ? key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z : busy() && pose_.wants(key); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
     void leave() override { part_.leave(); }
     [[nodiscard]] bool busy() const override { return drag_ || cut_.busy() || part_.busy() || pose_.busy(); }
     [[nodiscard]] QString hint() const override;
+    [[nodiscard]] QString banner() const override { return cut_.busy() ? cut_.banner() : part_.busy() ? part_.banner() : pose_.banner(); }
     void decorate(render::Scene& scene) const override {
         pose_.decorate(scene);
         cut_.decorate(scene);

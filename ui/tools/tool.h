@@ -70,13 +70,16 @@ public:
     virtual void leave() {}                       ///< the pointer left the viewport: nothing is hovered
     virtual void doubleClick(const PointerEvent& e) { press(e); }
     virtual bool wheel(double /*notches*/, const PointerEvent&) { return false; }  ///< true: used, the view does not zoom
-    virtual bool key(int /*key*/, Qt::KeyboardModifiers) { return false; }  ///< true: used
+    /// `text`: what it types, see typedBy(). True: used.
+    virtual bool key(int /*key*/, Qt::KeyboardModifiers, const QString& /*text*/ = {}) { return false; }
     /// The tool takes this key now, before any shortcut of the window that has the same.
     [[nodiscard]] virtual bool wants(int /*key*/) const { return false; }
     virtual void keyReleased(int /*key*/) {}
     virtual void cancel() {}                      ///< takes back an unfinished gesture (Esc, right button, focus lost)
     /// A gesture is open: it must be released or cancelled before anything else happens to the document.
     [[nodiscard]] virtual bool busy() const { return false; }
+    /// The gesture goes on without a button, and a press ends it.
+    [[nodiscard]] virtual bool modal() const { return false; }
     /// Something is unfinished that cancel() would end (an open gesture, a chain of bones, a placed plane).
     [[nodiscard]] virtual bool pending() const { return busy(); }
     /// It keeps steps of its own, which undo and redo go along; the document's wait.

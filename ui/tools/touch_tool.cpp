@@ -117,6 +117,12 @@ bool TouchTool::wheel(double notches, const PointerEvent& e) {
     return true;
 }
 
+bool TouchTool::key(int key, Qt::KeyboardModifiers, const QString& text) {
+    if (!finger_) return false;
+    if (finger_->typed.key(key, text, TypedNumber::Of::Length, {})) issue();
+    return true;
+}
+
 void TouchTool::release(const PointerEvent& e) {
     if (!finger_ || e.button != Qt::LeftButton) return;
     const auto element = document_.document().elements.find(finger_->element);
@@ -129,7 +135,7 @@ void TouchTool::release(const PointerEvent& e) {
 void TouchTool::cancel() { finger_.reset(); }  // its gesture takes the commands back
 
 QString TouchTool::hint() const {
-    if (finger_) return ToolTexts::tr("Move: push along · Wheel or Ctrl+drag: deeper or less deep · Shift: fine · Esc: take back");
+    if (finger_) return ToolTexts::tr("Move: push along · Wheel, Ctrl+drag or a typed number: depth · Shift: fine · Esc: take back");
     const Document& d = document_.document();
     if (d.elements.empty()) return {};
     if (!d.effects.has(EffectKind::Touch)) return ToolTexts::tr("The effect “Touch” is off. Click the surface to be asked about it");

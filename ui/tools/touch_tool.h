@@ -6,6 +6,7 @@
 #include "ui/models/gesture.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
+#include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
@@ -20,9 +21,11 @@ public:
     void release(const PointerEvent& e) override;
     void leave() override { hovered_.reset(); }
     bool wheel(double notches, const PointerEvent& e) override;
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return finger_.has_value(); }
     [[nodiscard]] QString hint() const override;
+    [[nodiscard]] QString banner() const override { return finger_ ? finger_->typed.shown({finger_->depth, 0.0, 0.0}) : QString(); }
     void decorate(render::Scene& scene) const override;
 
 private:
@@ -37,7 +40,8 @@ private:
         double depth = 0.0;           ///< m
         double pixel = 0.0;           ///< m that a logical pixel covers at the surface
         double lastY = 0.0;
-        [[nodiscard]] Vec3 tip() const { return surface + depth * inward; }
+        TypedNumber typed = {};
+        [[nodiscard]] Vec3 tip() const { return surface + typed.value(depth) * inward; }
     };
 
     /// Offers what fingers on an element (0: any) still need. False: nothing, they work.

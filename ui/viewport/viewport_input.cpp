@@ -19,6 +19,7 @@
 #include "ui/models/selection_commands.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
+#include "ui/tools/typed_number.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/number_field.h"
@@ -116,6 +117,10 @@ bool ViewportWidget::event(QEvent* e) {
             break;
         case QEvent::KeyPress:
             // Before it takes the focus elsewhere.
+            if (auto* key = static_cast<QKeyEvent*>(e); tools_.busy() && (key->key() == Qt::Key_Tab || key->key() == Qt::Key_Backtab)) {
+                keyPressEvent(key);
+                return true;
+            }
             if (const auto* key = static_cast<QKeyEvent*>(e); key->key() == Qt::Key_Tab && key->modifiers() == Qt::NoModifier && overlapping_ > 1 && !tools_.busy()) {
                 takeBehind();
                 return true;
@@ -155,6 +160,8 @@ void ViewportWidget::mousePressEvent(QMouseEvent* e) {
         if (right) {
             tools_.cancel();
             swallowMenu_ = true;
+        } else if (tools_.tool().modal() && e->button() == Qt::LeftButton) {
+            withTool([&](Tool& tool) { tool.press(pointer(e->position(), e->button(), e->buttons(), e->modifiers())); });
         }
         return;
     }
@@ -183,7 +190,7 @@ void ViewportWidget::mouseMoveEvent(QMouseEvent* e) {
         navigator_.drag(p);
         return redraw();
     }
-    if (tools_.busy() && !(e->buttons() & Qt::LeftButton)) {
+    if (tools_.busy() && !tools_.tool().modal() && !(e->buttons() & Qt::LeftButton)) {
         // The release went elsewhere: what was reached so far stands.
         giveMove();
         tools_.tool().release(pointer(p, Qt::LeftButton, e->buttons(), e->modifiers()));
@@ -325,11 +332,11 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
         tools_.redo();
         return;
     }
-    const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right;
-    if (!e->isAutoRepeat() || arrow) {
+    const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right ;
+    if (!e->isAutoRepeat() || arrow || (tools_.busy() && e->key() == Qt::Key_Backspace)) {
         QElapsedTimer since;
         since.start();
-        if (tools_.tool().key(e->key(), e->modifiers())) {
+        if (tools_.tool().key(e->key(), e->modifiers(), typedBy(*e))) {
             meter_.addWork(elapsedMs(since));
             redraw();
             updateHint();

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/tools/bone_drag.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/finite.h"
+#include "core/document/character_input.h"
+#include "ui/models/commands.h"
+#include "ui/models/gesture.h"
+#include "ui/models/paths.h"
+#include "ui/tools/tool_texts.h"
+
+namespace imomushi {
+namespace {
+
+/// Nearer to the pivot than this, logical pixels, the pointer neither turns nor scales.
+constexpr double kLeastBoneArm = 4.0;
+
+const Bone::Place* placeOf(const Document& document, const EndpointRef& end) {
+    const auto bone = document.bones.find(end.bone);
+    if (bone == document.bones.end()) return nullptr;
+    return end.atEnd ? &bone->second->end : &bone->second->start;
+}
+
+}  // namespace
+
+std::optional<BoneDrag::Point> BoneDrag::pointOf(const EndpointRef& end) const {
+    const Session& session = document_.session();
+    const Document& d = document_.document();
+    const int index = session.pointIndex(end);
+    const auto shown = endpointPosition(session, end);
+    const auto rest = endpointRestPosition(d, end);
+    if (index < 0 || !shown || !rest) return std::nullopt;
+    Point point;
+    point.index = index;
+    point.shown = *shown;
+    point.rest = *rest;
+    for (const auto& [id, bone] : d.bones)
+        for (const bool atEnd : {true, false}) {
+            const EndpointRef other{id, atEnd};
+            if (session.pointIndex(other) == index && !std::holds_alternative<EndpointRef>(*placeOf(d, other))) point.ends.push_back(other);
+        }
+    if (point.ends.empty()) return std::nullopt;
+    // A bone must touch its parent whenever it changes: the parent goes first.
+    const auto hangs = [&](const EndpointRef& e) {
+        const PartId parent = d.bones.at(e.bone)->parent;
+        return std::any_of(point.ends.begin(), point.ends.end(), [&](const EndpointRef& other) { return other.bone == parent; });
+    };
+    std::stable_partition(point.ends.begin(), point.ends.end(), [&](const EndpointRef& e) { return !hangs(e); });
+    const auto& frames = session.shownPose().frames;
+    if (const int bone = session.plan().boneIndex(point.ends.front().bone); bone >= 0 && std::size_t(bone) < frames.size()) point.turn = frames[std::size_t(bone)];
+    return point;
+}
+
+bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal) {
+    if (points.empty()) return false;
+    Drag drag;
+    for (const Point& point : points) drag.pivot += point.shown / double(points.size());
+    drag.points = std::move(points);
+    drag.first = drag.last = e;
+    drag.modal = modal;
+    drag_ = std::move(drag);
+    choose(does);
+    return true;
+}
+
+bool BoneDrag::press(const EndpointRef& end, const PointerEvent& e) {
+    auto point = pointOf(end);
+    return point && start(Does::Moves, {std::move(*point)}, e, false);
+}
+
+bool BoneDrag::begin(Does does, const PointerEvent& e) {
+    std::vector<Point> points;
+    const auto add = [&](const EndpointRef& end) {
+        auto point = pointOf(end);
+        if (point && std::none_of(points.begin(), points.end(), [&](const Point& p) { return p.index == point->index; })) points.push_back(std::move(*point));
+    };
+    for (const SelectionItem& item : document_.selection()) {
+        if (item.kind == SelectionItem::Kind::Endpoint) add({item.part, item.atEnd});
+        if (item.kind == SelectionItem::Kind::Bone)
+            for (const bool atEnd : {false, true}) add({item.part, atEnd});
+    }
+    return start(does, std::move(points), e, true);
+}
+
+void BoneDrag::choose(Does does) {
+    Drag& drag = *drag_;
+    drag.does = does;
+    drag.typed.clear();
+    drag.step = Vec3::Zero();
+    drag.angle = 0.0;
+    drag.factor = 1.0;
+    drag.near.reset();
+    drag.first = drag.last;
+    const Vec3 plane = drag.lock.plane(drag.last);
+    drag.grip = drag.last.onPlane(drag.pivot, plane, drag.pivot);
+}
+
+bool BoneDrag::seeksPlace() const {
+    return drag_ && drag_->does == Does::Moves && drag_->points.size() == 1 && drag_->lock.free() && !drag_->typed.leads() && !(drag_->last.modifiers & Qt::ControlModifier);
+}
+
+void BoneDrag::move(const PointerEvent& e, const std::optional<Place>& near) {
+    Drag& drag = *drag_;
+    const PointerEvent before = std::exchange(drag.last, e);
+    if (!drag.moved && !drag.modal && std::hypot(e.x - drag.first.x, e.y - drag.first.y) < kDragPixels) return;
+    drag.moved = true;
+    drag.near = seeksPlace() ? near : std::nullopt;
+    if (drag.does == Does::Moves) {
+        const Vec3 plane = drag.lock.plane(e);
+        if (plane.norm() < 0.5) return;
+        const Vec3 under = e.onPlane(drag.grip, plane, drag.grip);
+        drag.step += drag.lock.confined(e.pace() * (under - drag.grip));
+        drag.grip = under;
+        return;
+    }
+    const auto middle = e.onScreen(drag.pivot);
+    if (!middle) return;
+    const Eigen::Vector2d from = Eigen::Vector2d(before.x, before.y) - *middle, to = Eigen::Vector2d(e.x, e.y) - *middle;
+    if (from.norm() < kLeastBoneArm || to.norm() < kLeastBoneArm) return;
+    if (drag.does == Does::Scales) {
+        drag.factor *= std::pow(to.norm() / from.norm(), e.pace());
+        return;
+    }
+    // Counted as it is seen: the screen's y goes down.
+    const double by = std::atan2(from.y() * to.x() - from.x() * to.y(), from.dot(to));
+    const double side = drag.lock.alongAxis() && turningAxis().dot(e.viewForward) > 0.0 ? -1.0 : 1.0;
+    drag.angle += e.pace() * side * by;
+}
+
+Vec3 BoneDrag::turningAxis() const { return drag_->lock.alongAxis() ? Vec3(Vec3::Unit(drag_->lock.axis())) : Vec3(-drag_->last.viewForward); }
+
+TypedNumber::Of BoneDrag::of() const {
+    switch (drag_->does) {
+        case Does::Turns: return TypedNumber::Of::Angle;
+        case Does::Scales: return TypedNumber::Of::Factor;
+        case Does::Moves: break;
+    }
+    return TypedNumber::Of::Length;
+}
+
+std::string BoneDrag::axes() const { return drag_->does == Does::Moves ? drag_->lock.axes() : std::string(); }
+
+std::array<double, 3> BoneDrag::pointed() const {
+    switch (drag_->does) {
+        case Does::Turns: return {drag_->angle, 0.0, 0.0};
+        case Does::Scales: return {drag_->factor, 0.0, 0.0};
+        case Does::Moves: break;
+    }
+    return drag_->lock.toAxes(drag_->step);
+}
+
+Vec3 BoneDrag::placed(const Point& point) const {
+    const Drag& drag = *drag_;
+    if (drag.near) return drag.near->shown;
+    const auto values = drag.typed.values(pointed());
+    const Vec3 arm = point.shown - drag.pivot;
+    if (drag.does == Does::Moves) return point.shown + drag.lock.fromAxes(values);
+    if (drag.does == Does::Turns) return drag.pivot + Eigen::AngleAxisd(values[0], turningAxis()) * arm;
+    return drag.pivot + arm + (values[0] - 1.0) * drag.lock.confined(arm);
+}
+
+bool BoneDrag::keep() {
+    const bool moved = drag_->moved;
+    struct To {
+        std::vector<EndpointRef> ends;
+        std::variant<std::string, Vec3> place;
+    };
+    std::vector<To> all;
+    const Document& d = document_.document();
+    for (const Point& point : drag_->points) {
+        To to{point.ends, Vec3(point.rest + point.turn.conjugate() * (placed(point) - point.shown))};
+        if (drag_->near) {
+            if (const auto* face = std::get_if<FaceRef>(&drag_->near->place)) to.place = pathOf(d, *face);
+            if (const auto* end = std::get_if<EndpointRef>(&drag_->near->place)) to.place = pathOf(d, *end);
+        }
+        all.push_back(std::move(to));
+    }
+    drag_.reset();
+    if (!moved) return false;
+    Gesture gesture(document_);
+    for (const To& to : all) {
+        if (const auto* point = std::get_if<Vec3>(&to.place); point && !allFinite(*point)) return true;
+        const EndpointRef leads = to.ends.front();
+        for (const EndpointRef& end : to.ends) {
+            const auto bone = d.bones.find(end.bone);
+            if (bone == d.bones.end()) return true;
+            const std::variant<std::string, Vec3> place = end == leads ? to.place : std::variant<std::string, Vec3>(pathOf(d, leads));
+            if (!document_.execute(commands::placeEnd(bone->second->name, end.atEnd, place))) return true;
+        }
+    }
+    gesture.commit();
+    return true;
+}
+
+bool BoneDrag::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    Drag& drag = *drag_;
+    if (key == Qt::Key_Return || key == Qt::Key_Enter) {
+        keep();
+    } else if (drag.typed.key(key, text, of(), axes())) {
+        drag.moved = true;
+    } else if (drag.lock.key(key, modifiers)) {
+        drag.step = drag.lock.confined(drag.step);
+        drag.grip = drag.last.onPlane(drag.pivot + drag.step, drag.lock.plane(drag.last), drag.pivot + drag.step);
+        drag.near.reset();
+        if (drag.does == Does::Moves) drag.typed.setAxes(axes());
+    } else if (key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S) {
+        // One end alone has nothing to turn or to scale.
+        if (key == Qt::Key_G || drag.points.size() > 1) choose(key == Qt::Key_G ? Does::Moves : key == Qt::Key_R ? Does::Turns : Does::Scales);
+    }
+    return true;
+}
+
+QString BoneDrag::banner() const {
+    if (!drag_) return {};
+    const QString typed = drag_->typed.shown(pointed());
+    return typed.isEmpty() ? drag_->lock.text(drag_->last) : typed;
+}
+
+QString BoneDrag::hint() const {
+    return drag_->modal ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Esc: cancel")
+                        : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: pass by joint faces · Esc: cancel");
+}
+
+void BoneDrag::decorate(render::Scene& scene) const {
+    if (!drag_ || !drag_->moved) return;
+    const Session& session = document_.session();
+    const auto placeOfPoint = [&](const EndpointRef& end) -> std::optional<Vec3> {
+        const int index = session.pointIndex(end);
+        for (const Point& point : drag_->points)
+            if (point.index == index) return placed(point);
+        return endpointPosition(session, end);
+    };
+    for (const auto& [id, bone] : document_.document().bones) {
+        const bool touched = std::any_of(drag_->points.begin(), drag_->points.end(), [&](const Point& p) { return p.index == session.pointIndex({id, false}) || p.index == session.pointIndex({id, true}); });
+        const auto from = placeOfPoint({id, false}), to = placeOfPoint({id, true});
+        if (!touched || !from || !to || !allFinite(*from) || !allFinite(*to)) continue;
+        render::Marker marker;
+        marker.shape = render::Marker::Shape::Bone;
+        marker.from = *from;
+        marker.to = *to;
+        marker.hovered = true;
+        scene.markers.push_back(std::move(marker));
+    }
+    for (const Point& point : drag_->points) {
+        render::Marker marker;
+        marker.shape = render::Marker::Shape::JointPoint;
+        marker.from = placed(point);
+        marker.hovered = true;
+        if (allFinite(marker.from)) scene.markers.push_back(std::move(marker));
+    }
+    drag_->lock.decorate(scene, drag_->pivot);
+}
+
+}  // namespace imomushi

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "ui/tools/axis_lock.h"
+#include "ui/tools/picking.h"
+#include "ui/tools/typed_number.h"
+
+namespace imomushi {
+
+/// Moves, turns and scales ends of bones at rest: one that is dragged, or what is selected, without a button. Where the pointer or a typed number leads is shown; the bones
+/// themselves change at the end, in one undo step. An end that is moved alone goes to joint faces and other ends near to the pointer.
+class BoneDrag {
+public:
+    enum class Does { Moves, Turns, Scales };
+
+    explicit BoneDrag(StudioDocument& document) : document_(document) {}
+    /// The end was pressed.
+    bool press(const EndpointRef& end, const PointerEvent& e);
+    /// Takes what is selected; the pointer leads without a button. False: no bones are selected.
+    bool begin(Does does, const PointerEvent& e);
+    /// `near`: another place that the end would go to, with where it is shown; none: it goes where the pointer is.
+    struct Place {
+        Bone::Place place = Vec3(0, 0, 0);
+        Vec3 shown = Vec3::Zero();
+    };
+    void move(const PointerEvent& e, const std::optional<Place>& near);
+    /// Changes the bones. False: it did not move.
+    bool keep();
+    void cancel() { drag_.reset(); }
+    [[nodiscard]] bool busy() const { return drag_.has_value(); }
+    [[nodiscard]] bool modal() const { return drag_ && drag_->modal; }
+    /// It moves one end alone, which a place near to the pointer may take.
+    [[nodiscard]] bool seeksPlace() const;
+    /// True: used.
+    bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text);
+    [[nodiscard]] QString banner() const;
+    [[nodiscard]] QString hint() const;
+    void decorate(render::Scene& scene) const;
+
+private:
+    /// A joint point.
+    struct Point {
+        int index = -1;                 ///< in the skeleton
+        std::vector<EndpointRef> ends;  ///< of bones that have a place of their own there: the first leads, the others go to it
+        Vec3 shown = Vec3::Zero(), rest = Vec3::Zero();                     ///< m
+        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();          ///< from rest to what is shown
+    };
+    struct Drag {
+        Does does = Does::Moves;
+        std::vector<Point> points;
+        Vec3 pivot = Vec3::Zero();   ///< m, as shown
+        PointerEvent first, last;
+        bool modal = false, moved = false;
+        AxisLock lock;
+        TypedNumber typed;
+        Vec3 step = Vec3::Zero();    ///< that the pointer says, m
+        Vec3 grip = Vec3::Zero();    ///< under the pointer at the last move, m
+        double angle = 0.0;          ///< radians
+        double factor = 1.0;
+        std::optional<Place> near;
+    };
+    [[nodiscard]] std::optional<Point> pointOf(const EndpointRef& end) const;
+    bool start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal);
+    void choose(Does does);
+    [[nodiscard]] TypedNumber::Of of() const;
+    [[nodiscard]] std::string axes() const;
+    [[nodiscard]] std::array<double, 3> pointed() const;
+    [[nodiscard]] Vec3 turningAxis() const;
+    [[nodiscard]] Vec3 placed(const Point& point) const;  ///< as shown
+
+    StudioDocument& document_;
+    std::optional<Drag> drag_;
+};
+
+}  // namespace imomushi
