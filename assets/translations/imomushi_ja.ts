@@ -335,6 +335,18 @@
             <source>Save mapping&amp;s…</source>
             <translation>対応づけを保存(&amp;S)…</translation>
         </message>
+        <message>
+            <source>Select what &amp;is not selected</source>
+            <translation>選択を反転(&amp;I)</translation>
+        </message>
+        <message>
+            <source>Select what is ne&amp;xt to it</source>
+            <translation>隣のものも選択(&amp;X)</translation>
+        </message>
+        <message>
+            <source>Select the chain of &amp;bones</source>
+            <translation>ボーンの鎖を選択(&amp;B)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1985,8 +1997,8 @@
             <translation>切れる最も近い場所へ動かす</translation>
         </message>
         <message>
-            <source>Drag the plane: move the cut · Drag its arrow: turn · Delete: remove</source>
-            <translation>平面をドラッグ：切断面を移動 · 矢印をドラッグ：向き · Delete：削除</translation>
+            <source>Drag the plane or G: move the cut · Drag its arrow: turn · Delete: remove</source>
+            <translation>平面をドラッグか G：切断面を移動 · 矢印をドラッグ：向き · Delete：削除</translation>
         </message>
         <message>
             <source>Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel</source>
@@ -2182,6 +2194,26 @@
         <message>
             <source>Click: start of a bone · G, R, S: move, turn, scale the selected bones</source>
             <translation>クリック：ボーンの始点 · G、R、S：選択したボーンを移動、回転、拡大縮小</translation>
+        </message>
+        <message>
+            <source>Click or Enter: the handle goes here · S: radius · Esc: cancel</source>
+            <translation>クリックか Enter：ハンドルをここに置く · S：半径 · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click or Enter: keep the radius (%1) · Type a number · G: place · Esc: cancel</source>
+            <translation>クリックか Enter：この半径（%1）にする · 数値を入力 · G：位置 · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · X, Y, Z: turn · Esc: cancel</source>
+            <translation>クリックか Enter：ここで切る · G、R：移動、回転 · 数値を入力 · Shift：細かく · X、Y、Z：向き · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R: turn · Esc: cancel</source>
+            <translation>クリックか Enter：確定 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R：回す · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Drag the end of a bone or a handle · G: move the selected one</source>
+            <translation>ボーンの端かハンドルをドラッグ · G：選択したものを動かす</translation>
         </message>
     </context>
     <context>
@@ -3905,6 +3937,14 @@
             <source>There are no mappings.</source>
             <translation>対応づけがありません。</translation>
         </message>
+        <message>
+            <source>Select an element or a bone first.</source>
+            <translation>先に要素かボーンを選択してください。</translation>
+        </message>
+        <message>
+            <source>Select a bone first.</source>
+            <translation>先にボーンを選択してください。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::ControlsDialog</name>
@@ -4065,8 +4105,8 @@
             <translation>数値（12 cm、30°、*1.5、1/3 など）。Tab、Backspace、Enter</translation>
         </message>
         <message>
-            <source>With the bone tool: move, turn, scale the selected bones</source>
-            <translation>ボーンツールで：選択したボーンを移動、回転、拡大縮小</translation>
+            <source>Without a button: move what is selected, with the bone tool turn and scale it, too</source>
+            <translation>ボタンを押さずに：選択したものを移動（ボーンツールでは回転、拡大縮小も）</translation>
         </message>
     </context>
     <context>

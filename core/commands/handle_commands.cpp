@@ -194,10 +194,16 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
     const Element& element = *document.elements.at(handle.element);
     Handle changed = *element.handleOf(handle.face);
     JointFace face = faceOf(document, handle);
-    if (property == "radius") {
-        IMOMUSHI_TRY(const auto radius, radiusFrom(element, value));
-        IMOMUSHI_TRY(auto made, handleFace(element, changed.point, radius, handle.face));
-        changed.radius = radius;
+    if (property == "radius" || property == "point") {
+        if (property == "radius") {
+            IMOMUSHI_TRY(changed.radius, radiusFrom(element, value));
+        } else {
+            const auto point = vector3(value);
+            if (!point) return fail("bad-type", "\"point\" must be three numbers [x,y,z]: the middle of the handle on the surface at rest, metres.");
+            changed.point = *point;
+        }
+        IMOMUSHI_TRY(auto made, handleFace(element, changed.point, changed.radius, handle.face));
+        if (property == "point") changed.point = nearestOnSurface(element.mesh->body, changed.point).point;
         made.name = handle.face;
         // Motions stay what they are; they are told by where the middle goes, which is another one now.
         const Vec3 step = made.frame.origin - face.frame.origin;
@@ -208,7 +214,7 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
         if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
         IMOMUSHI_TRY(changed.bone, boneFrom(document, value.get_ref<const std::string&>()));
     } else {
-        return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius and bone.");
+        return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius, point and bone.");
     }
     exchangePart(document.elements, handle.element, [&](Element& to) {
         to.faces[static_cast<std::size_t>(to.faceIndex(handle.face))] = std::move(face);

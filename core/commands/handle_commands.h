@@ -20,7 +20,7 @@ void renameHandle(Document& document, const FaceRef& face, const std::string& na
 /// Handles carried by a bone that is removed are carried by their elements from then on.
 void releaseHandlesOf(Document& document, PartId bone);
 
-/// "radius" or "bone" of a handle. Errors: "no-such-property", "bad-value", those of handleFace().
+/// "radius", "point" or "bone" of a handle. Errors: "no-such-property", "bad-value", those of handleFace().
 Result<void> setHandleProperty(Document& document, const FaceRef& handle, const std::string& property, const Json& value);
 
 // What drag, pin, unpin and release do with a handle.

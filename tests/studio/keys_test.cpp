@@ -451,3 +451,34 @@ TEST_CASE("bones at rest: G moves what is selected without a button, a click kee
     w.trigger("undo");
     CHECK((place() - from).norm() < 1e-9);
 }
+
+TEST_CASE("select: the others, what is next, and the chain that hangs on a bone") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    const auto names = [&] {
+        std::set<std::string> all;
+        for (const SelectionItem& item : w.document().selection()) all.insert(item.kind == SelectionItem::Kind::Bone ? w.now().bones.at(item.part)->name : item.kind == SelectionItem::Kind::Element ? w.now().elements.at(item.part)->name : "?");
+        return all;
+    };
+    const auto bone = [&](const char* name) { return SelectionItem{SelectionItem::Kind::Bone, w.now().boneNamed(name)->id, {}, false}; };
+    const auto key = [&](Qt::Key k) {
+        w.settle();
+        QTest::keyClick(&w.view(), k, Qt::ShiftModifier);
+        w.settle();
+    };
+    w.view().setFocus();
+    w.document().select({bone("middle-bone")});
+    key(Qt::Key_G);
+    CHECK(names() == std::set<std::string>{"rear-bone", "middle-bone", "front-bone"});
+    key(Qt::Key_I);
+    CHECK(names() == std::set<std::string>{"tail-bone", "head-bone"});
+    w.document().select({bone("middle-bone")});
+    key(Qt::Key_C);
+    CHECK(names() == std::set<std::string>{"middle-bone", "front-bone", "head-bone"});
+    w.document().select({{SelectionItem::Kind::Element, w.now().elementNamed("head")->id, {}, false}});
+    key(Qt::Key_G);
+    CHECK(names() == std::set<std::string>{"head", "front"});
+    key(Qt::Key_I);
+    CHECK(names().size() == w.now().elements.size() - 2);
+    CHECK(!names().contains("head"));
+}

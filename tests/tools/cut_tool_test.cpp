@@ -195,6 +195,50 @@ TEST_CASE("cuts: the plane of the selected cut slides along its normal with the 
     }
 }
 
+TEST_CASE("cuts: typed numbers slide and turn the plane, also of a cut that G and R take without a button") {
+    ToolStage stage;
+    addWorm(stage);
+    stage.run({{"do", "cut"}, {"element", "worm"}, {"plane", {{"origin", {1.0, 0, 0}}, {"normal", {1, 0, 0}}}}});
+    stage.look(ViewAxis::Front);
+    stage.document().select({cutItem(stage)});
+    const auto type = [](Tool& tool, const QString& signs) {
+        for (const QChar sign : signs) CHECK(tool.key(0, {}, QString(sign)));
+    };
+    const int before = stage.steps();
+    {
+        SelectTool tool(stage.document());
+        stage.press(tool, Vec3(1, 0.49, 0.0));
+        type(tool, QStringLiteral("25 cm"));
+        CHECK(tool.banner().contains(QStringLiteral("25 cm")));
+        stage.letGo(tool, Vec3(1, 0.49, 0.0));
+        CHECK(worm(stage).cuts[0].plane.origin.x() == doctest::Approx(1.25).epsilon(1e-6));
+        CHECK(stage.steps() == before + 1);
+        stage.hover(tool, Vec3(0, 1.2, 0));
+        CHECK(tool.wants(Qt::Key_G));
+        CHECK(tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+        CHECK(tool.modal());
+        type(tool, QStringLiteral(".1-"));
+        stage.press(tool, Vec3(0, 1.2, 0));
+        CHECK(!tool.busy());
+        CHECK(worm(stage).cuts[0].plane.origin.x() == doctest::Approx(1.15).epsilon(1e-6));
+        CHECK(stage.steps() == before + 2);
+    }
+    FaceTool tool(stage.document());
+    stage.hover(tool, Vec3(0, 1.2, 0));
+    CHECK(tool.wants(Qt::Key_R));
+    CHECK(tool.key(Qt::Key_R, {}, QStringLiteral("r")));
+    type(tool, QStringLiteral("20°"));
+    CHECK(tool.key(Qt::Key_Return, {}, {}));
+    CHECK(worm(stage).cuts[0].plane.normal.normalized().x() == doctest::Approx(std::cos(20.0 * 3.14159265358979 / 180.0)));
+    CHECK(std::abs(worm(stage).cuts[0].plane.normal.normalized().z()) < 1e-9);
+    CHECK(stage.steps() == before + 3);
+    CHECK(tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    stage.hover(tool, Vec3(0.5, 1.2, 0));
+    tool.cancel();
+    CHECK(stage.steps() == before + 3);
+    CHECK(stage.refusals.empty());
+}
+
 TEST_CASE("cuts: the tip of the arrow turns the plane, with Ctrl to an axis") {
     ToolStage stage;
     addWorm(stage);

@@ -128,3 +128,40 @@ TEST_CASE("pose tool: flesh that is taken anywhere moves the handle nearest to i
     CHECK(stage.goal("handle 2"));
     CHECK(!stage.goal("handle 1"));
 }
+
+TEST_CASE("handle tool: G moves the selected handle over the surface and S sets its radius, each in one step") {
+    HandleStage stage;
+    stage.click(stage.tool, Vec3(2.0, 0, 0.5));
+    REQUIRE(stage.handles().size() == 1);
+    const double radius = stage.handles()[0].radius;
+    const int before = stage.steps();
+    stage.hover(stage.tool, Vec3(2.0, 1.4, 0.5));
+    CHECK(stage.tool.wants(Qt::Key_G));
+    CHECK(stage.tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    CHECK(stage.tool.modal());
+    stage.hover(stage.tool, Vec3(1.2, 0.1, 0.5));
+    render::Scene scene;
+    stage.tool.decorate(scene);
+    CHECK_MESSAGE(!scene.markers.empty(), stage.tool.hint().toStdString());
+    CHECK(stage.steps() == before);
+    stage.press(stage.tool, Vec3(1.2, 0.1, 0.5));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 1);
+    CHECK((stage.handles()[0].point - Vec3(1.2, 0.1, 0.5)).norm() < 1e-6);
+    CHECK(stage.handles()[0].radius == doctest::Approx(radius));
+    CHECK(stage.refusals.empty());
+    CHECK(stage.tool.key(Qt::Key_S, {}, QStringLiteral("s")));
+    for (const QChar sign : QStringLiteral("150%")) CHECK(stage.tool.key(0, {}, QString(sign)));
+    CHECK(stage.tool.banner().contains(QStringLiteral("150%")));
+    CHECK(stage.tool.key(Qt::Key_Return, {}, {}));
+    CHECK(stage.handles()[0].radius == doctest::Approx(1.5 * radius));
+    CHECK(stage.steps() == before + 2);
+    CHECK(stage.tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    stage.hover(stage.tool, Vec3(-1, 0.1, 0.5));
+    stage.tool.cancel();
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 2);
+    stage.run({{"do", "undo"}, {"count", 2}});
+    CHECK(stage.handles()[0].radius == doctest::Approx(radius));
+    CHECK((stage.handles()[0].point - Vec3(2.0, 0, 0.5)).norm() < 0.02);
+}

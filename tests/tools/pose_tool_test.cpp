@@ -385,3 +385,32 @@ TEST_CASE("pose tool: an angle is typed while R is held") {
     stage.letGo(stage.tool, Vec3(3, 0, 0));
     CHECK(stage.held()->roll.value_or(0.0) == doctest::Approx(std::atan(1.0)));
 }
+
+TEST_CASE("pose tool: G moves what is selected without a button, R then turns it, a press keeps it and Esc takes it back") {
+    PoseStage stage;
+    stage.hover(stage.tool, Vec3(1, 1.2, 0));
+    CHECK(!stage.tool.wants(Qt::Key_G));
+    stage.document().select({SelectionItem{Kind::Endpoint, stage.tip.bone, {}, true}});
+    CHECK(stage.tool.wants(Qt::Key_G));
+    CHECK(!stage.tool.wants(Qt::Key_R));  // that records
+    const int before = stage.steps();
+    CHECK(stage.tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    CHECK(stage.tool.modal());
+    stage.hover(stage.tool, Vec3(0.8, 1.5, 0));
+    REQUIRE(stage.held());
+    CHECK((stage.held()->target - Vec3(2.8, 0.3, 0)).norm() < 1e-6);
+    const auto at = stage.screen(Vec3(0.8, 1.5, 0));
+    stage.tool.release(stage.at(at.x(), at.y(), Qt::LeftButton, Qt::NoButton));
+    CHECK(stage.tool.busy());  // a release ends nothing
+    stage.press(stage.tool, Vec3(0.8, 1.5, 0));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 1);
+    CHECK(stage.tool.key(Qt::Key_G, {}, QStringLiteral("g")));
+    CHECK(stage.tool.key(Qt::Key_R, {}, QStringLiteral("r")));
+    for (const QChar sign : QStringLiteral("30")) CHECK(stage.tool.key(0, {}, QString(sign)));
+    stage.tool.keyReleased(Qt::Key_R);
+    CHECK(stage.held()->roll.value_or(0.0) == doctest::Approx(std::atan(1.0) * 2.0 / 3.0));
+    stage.tool.cancel();
+    CHECK(stage.steps() == before + 1);
+    CHECK(!stage.held()->roll);
+}

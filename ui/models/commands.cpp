@@ -199,6 +199,7 @@ Json removeJointFace(const std::string& face) { return {{"do", "remove-joint-fac
 Json addHandle(const std::string& element, const Vec3& point, double radius) {
     return {{"do", "handle"}, {"element", element}, {"point", vector(point)}, {"radius", radius}};
 }
+Json placeHandle(const std::string& handle, const Vec3& point) { return {{"do", "set"}, {"target", handle}, {"property", "point"}, {"value", Json::array({point.x(), point.y(), point.z()})}}; }
 Json removeHandle(const std::string& handle) { return {{"do", "remove-handle"}, {"handle", handle}}; }
 Json join(const std::string& a, const std::string& b) { return {{"do", "join"}, {"a", a}, {"b", b}}; }
 

@@ -167,6 +167,8 @@ Json removeJointFace(const std::string& face);
 Json join(const std::string& a, const std::string& b);
 /// A disc about the point of the rest shape; m. Its name is in the answer.
 Json addHandle(const std::string& element, const Vec3& point, double radius);
+/// `point`: of the surface at rest, m.
+Json placeHandle(const std::string& handle, const Vec3& point);
 Json removeHandle(const std::string& handle);
 
 struct NewBone {

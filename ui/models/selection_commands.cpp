@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <set>
 
+#include "core/document/character_input.h"
 #include "ui/models/commands.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
@@ -20,6 +21,72 @@ void selectAllElements(StudioDocument& document) {
     for (const auto& [id, element] : document.document().elements)
         if (element->visible && !element->locked) items.push_back({Kind::Element, id, {}, false});
     document.select(std::move(items));
+}
+
+namespace {
+
+/// The bones that are selected, or have an end that is.
+std::set<PartId> bonesSelected(const StudioDocument& document) {
+    std::set<PartId> bones;
+    for (const SelectionItem& item : document.selection())
+        if (item.kind == Kind::Bone || item.kind == Kind::Endpoint) bones.insert(item.part);
+    return bones;
+}
+
+void selectBones(StudioDocument& document, const std::set<PartId>& bones) {
+    std::vector<SelectionItem> items;
+    for (const PartId id : bones) items.push_back({Kind::Bone, id, {}, false});
+    document.select(std::move(items));
+}
+
+}  // namespace
+
+void invertSelection(StudioDocument& document) {
+    const Document& d = document.document();
+    if (const std::set<PartId> selected = bonesSelected(document); !selected.empty()) {
+        std::set<PartId> others;
+        for (const auto& [id, bone] : d.bones)
+            if (!selected.contains(id)) others.insert(id);
+        return selectBones(document, others);
+    }
+    std::vector<SelectionItem> items;
+    for (const auto& [id, element] : d.elements) {
+        const SelectionItem item{Kind::Element, id, {}, false};
+        if (element->visible && !element->locked && !document.isSelected(item)) items.push_back(item);
+    }
+    document.select(std::move(items));
+}
+
+void growSelection(StudioDocument& document) {
+    const Document& d = document.document();
+    const Session& session = document.session();
+    if (std::set<PartId> bones = bonesSelected(document); !bones.empty()) {
+        std::set<int> points;
+        for (const PartId id : bones)
+            for (const bool atEnd : {false, true}) points.insert(session.pointIndex({id, atEnd}));
+        points.erase(-1);
+        for (const auto& [id, bone] : d.bones)
+            if (points.contains(session.pointIndex({id, false})) || points.contains(session.pointIndex({id, true}))) bones.insert(id);
+        return selectBones(document, bones);
+    }
+    auto items = document.selection();
+    const auto selected = items;
+    for (const auto& [id, joint] : d.joints) {
+        const auto has = [&](const FaceRef& face) { return std::find(selected.begin(), selected.end(), SelectionItem{Kind::Element, face.element, {}, false}) != selected.end(); };
+        if (std::none_of(joint->faces.begin(), joint->faces.end(), has)) continue;
+        for (const FaceRef& face : joint->faces)
+            if (const SelectionItem item{Kind::Element, face.element, {}, false}; std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+    }
+    document.select(std::move(items));
+}
+
+void selectChain(StudioDocument& document) {
+    std::set<PartId> bones = bonesSelected(document);
+    const auto& all = document.session().plan();
+    const auto& skeleton = all.input.skeleton.bones;
+    for (std::size_t b = 0; b < skeleton.size(); ++b)  // parents come before their children
+        if (skeleton[b].parent >= 0 && bones.contains(all.bones[std::size_t(skeleton[b].parent)])) bones.insert(all.bones[b]);
+    if (!bones.empty()) selectBones(document, bones);
 }
 
 void hideSelected(StudioDocument& document) {

@@ -12,6 +12,13 @@ namespace imomushi {
 /// All elements that are visible and not locked.
 void selectAllElements(StudioDocument& document);
 
+/// What is not selected, of what is: bones where bones are, else elements; visible and not locked.
+void invertSelection(StudioDocument& document);
+/// Adds what is next to it: bones that meet the selected ones, elements that are joined to them.
+void growSelection(StudioDocument& document);
+/// Adds all bones that hang on the selected ones.
+void selectChain(StudioDocument& document);
+
 /// What artists do with what is selected; each is one undo step.
 void hideSelected(StudioDocument& document);
 void showAll(StudioDocument& document);

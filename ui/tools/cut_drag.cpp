@@ -38,33 +38,54 @@ std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const 
 
 }  // namespace
 
-std::optional<CutDrag::Grip> CutDrag::grip(const PointerEvent& e) const {
+std::optional<CutDrag::Grip> CutDrag::chosen() const {
     if (document_.selection().size() != 1) return std::nullopt;
     const SelectionItem& item = document_.selection().front();
     if (!cutOf(document_.document(), item)) return std::nullopt;
     const auto frame = cutFrame(document_.session(), item.part);
-    if (!frame) return std::nullopt;
+    return frame ? std::optional(Grip{item.part, false, *frame}) : std::nullopt;
+}
+
+std::optional<CutDrag::Grip> CutDrag::grip(const PointerEvent& e) const {
+    auto found = chosen();
+    if (!found) return std::nullopt;
+    const CutFrame* frame = &found->frame;
+    const auto turning = [&] {
+        found->turns = true;
+        return found;
+    };
     const auto tip = e.onScreen(frame->centre + frame->reach * frame->normal);
     // Seen along its normal, the plane has its arrow over its middle, and is not turned by that.
     const auto centre = e.onScreen(frame->centre);
-    if (tip && centre && (*tip - *centre).norm() > kEndpointPixels && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return Grip{item.part, true, *frame};
+    if (tip && centre && (*tip - *centre).norm() > kEndpointPixels && (*tip - Eigen::Vector2d(e.x, e.y)).norm() <= kEndpointPixels) return turning();
     // The square around the section, as it is drawn; seen from its edge, whatever is near to the line that it is then.
     const Vec3 beside = frame->centre + 2.0 * frame->reach * frame->normal;
-    if ((e.onPlane(frame->centre, frame->normal, beside) - frame->centre).norm() <= frame->reach) return Grip{item.part, false, *frame};
+    if ((e.onPlane(frame->centre, frame->normal, beside) - frame->centre).norm() <= frame->reach) return found;
     const Vec3 x = frame->normal.unitOrthogonal(), y = frame->normal.cross(x);
     std::vector<std::vector<Vec3>> lines = frame->rim;
     lines.push_back({frame->centre - frame->reach * x, frame->centre + frame->reach * x});
     lines.push_back({frame->centre - frame->reach * y, frame->centre + frame->reach * y});
     for (const auto& line : lines)
         for (std::size_t i = 0; i < line.size(); ++i)
-            if (pixelsTo(e, line[i], line[(i + 1) % line.size()]) <= kBonePixels) return Grip{item.part, false, *frame};
+            if (pixelsTo(e, line[i], line[(i + 1) % line.size()]) <= kBonePixels) return found;
     return std::nullopt;
 }
 
 bool CutDrag::press(const PointerEvent& e) {
     if (drag_ || e.button != Qt::LeftButton) return false;
     auto taken = grip(e);
+    return taken && take(std::move(*taken), e, false);
+}
+
+bool CutDrag::begin(bool turns, const PointerEvent& e) {
+    auto taken = chosen();
     if (!taken) return false;
+    taken->turns = turns;
+    return take(std::move(*taken), e, true);
+}
+
+bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
+    auto* taken = &grip;
     const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, taken->cut, {}, false});
     Drag drag;
     drag.centre = taken->frame.centre;
@@ -74,6 +95,8 @@ bool CutDrag::press(const PointerEvent& e) {
     drag.held = taken->turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
     drag.pressed = {e.x, e.y};
     drag.lastY = e.y;
+    drag.modal = modal;
+    drag.last = e;
     drag.grip = std::move(*taken);
     drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
     drag_ = std::move(drag);
@@ -83,6 +106,7 @@ bool CutDrag::press(const PointerEvent& e) {
 void CutDrag::move(const PointerEvent& e) {
     if (!drag_) return;
     Drag& drag = *drag_;
+    drag.last = e;
     if (!drag.moved && (Eigen::Vector2d(e.x, e.y) - drag.pressed).norm() < kDragPixels) return;
     drag.moved = true;
     const CutFrame& frame = drag.grip.frame;
@@ -144,7 +168,7 @@ void CutDrag::preview() {
 }
 
 void CutDrag::release(const PointerEvent& e) {
-    if (drag_ && e.button == Qt::LeftButton) keep();
+    if (drag_ && !drag_->modal && e.button == Qt::LeftButton) keep();
 }
 
 void CutDrag::keep() {
@@ -170,6 +194,7 @@ bool CutDrag::key(int key, const QString& text) {
         keep();
         return true;
     }
+    if (drag_->modal && (key == Qt::Key_G || key == Qt::Key_R)) return begin(key == Qt::Key_R, PointerEvent(drag_->last));
     if (key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z) {
         const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
         drag_->turned = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
@@ -185,8 +210,8 @@ bool CutDrag::key(int key, const QString& text) {
 QString CutDrag::banner() const { return drag_ ? drag_->typed.shown({pointed(), 0.0, 0.0}) : QString(); }
 
 QString CutDrag::hint() const {
-    if (!drag_) return ToolTexts::tr("Drag the plane: move the cut · Drag its arrow: turn · Delete: remove");
-    const QString keys = ToolTexts::tr("Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
+    if (!drag_) return ToolTexts::tr("Drag the plane or G: move the cut · Drag its arrow: turn · Delete: remove");
+    const QString keys = drag_->modal ? ToolTexts::tr("Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · X, Y, Z: turn · Esc: cancel") : ToolTexts::tr("Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
     return drag_->refusal.isEmpty() ? keys : drag_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
 }
 

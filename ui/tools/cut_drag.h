@@ -18,6 +18,10 @@ public:
     explicit CutDrag(StudioDocument& document) : document_(document) {}
     /// True: it took hold of the plane of the selected cut.
     bool press(const PointerEvent& e);
+    /// Takes the selected cut, and the pointer leads it without a button, until a press or Enter. False: none is selected.
+    bool begin(bool turns, const PointerEvent& e);
+    [[nodiscard]] bool modal() const { return drag_ && drag_->modal; }
+    void keep();
     void move(const PointerEvent& e);
     void release(const PointerEvent& e);
     void cancel() { drag_.reset(); }
@@ -48,7 +52,8 @@ private:
         Vec3 turned = Vec3::UnitX();                         ///< the normal that the pointer says
         Vec3 sight = -Vec3::UnitZ();                         ///< unit, about which a typed angle turns
         TypedNumber typed = {};
-        bool moved = false;
+        bool moved = false, modal = false;
+        PointerEvent last;
         Eigen::Vector2d pressed = Eigen::Vector2d::Zero();   ///< logical pixels
         std::vector<std::vector<Vec3>> outline;              ///< of the section, world
         QString refusal;
@@ -58,8 +63,9 @@ private:
     /// Puts the plane where the pointer or the typed number says.
     void place();
     void preview();
-    void keep();
     [[nodiscard]] double pointed() const;
+    [[nodiscard]] std::optional<Grip> chosen() const;  ///< the selected cut
+    bool take(Grip grip, const PointerEvent& e, bool modal);
 
     StudioDocument& document_;
     std::optional<Drag> drag_;

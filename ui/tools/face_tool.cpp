@@ -223,7 +223,9 @@ void FaceTool::placePlane(const RayHit& hit) {
 }
 
 void FaceTool::press(const PointerEvent& e) {
-    if (e.button != Qt::LeftButton || drag_.busy()) return;
+    if (e.button != Qt::LeftButton) return;
+    if (drag_.modal()) return drag_.keep();
+    if (drag_.busy()) return;
     if (!plane_ && !(e.modifiers & Qt::ShiftModifier)) {
         if (drag_.press(e)) return clearPreview();
         if (const auto item = pickCut(document_.session(), e)) {
@@ -257,6 +259,7 @@ void FaceTool::press(const PointerEvent& e) {
 }
 
 void FaceTool::move(const PointerEvent& e) {
+    last_ = e;
     if (drag_.busy()) return drag_.move(e);
     if (plane_ && !plane_->dragging) return;
     overCut_ = !plane_ && drag_.over(e);
@@ -323,6 +326,11 @@ void FaceTool::movePlane(double steps) {
 
 bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
     if (drag_.busy()) return drag_.key(key, text);
+    if ((key == Qt::Key_G || key == Qt::Key_R) && modifiers == Qt::NoModifier && !plane_ && last_) {
+        if (!drag_.begin(key == Qt::Key_R, *last_)) return false;
+        clearPreview();
+        return true;
+    }
     if ((key == Qt::Key_Delete || key == Qt::Key_Backspace) && !plane_) return removeSelection(document_);
     if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
     if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;
@@ -356,6 +364,7 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
 
 bool FaceTool::wants(int key) const {
     if (drag_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
+    if (key == Qt::Key_G || key == Qt::Key_R) return !plane_ && last_ && document_.selection().size() == 1 && cutOf(document_.document(), document_.selection().front());
     switch (key) {
         case Qt::Key_Up:
         case Qt::Key_Down:

@@ -29,6 +29,7 @@ public:
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
     [[nodiscard]] bool busy() const override { return drag_.busy(); }
+    [[nodiscard]] bool modal() const override { return drag_.modal(); }
     [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy(); }
     [[nodiscard]] QString hint() const override;
     [[nodiscard]] QString banner() const override { return drag_.banner(); }
@@ -73,6 +74,7 @@ private:
     std::unique_ptr<SectionFinder> sections_;        ///< of sectioned_
     bool overCut_ = false;            ///< the pointer is over the plane of the selected cut
     CutDrag drag_;
+    std::optional<PointerEvent> last_;  ///< where keys begin
     int widened_ = 0;                 ///< tolerance = kTolerance * 2^widened of the diagonal
 };
 

@@ -47,6 +47,7 @@ void HandleTool::preview(const std::optional<RayHit>& hit) {
 }
 
 void HandleTool::press(const PointerEvent& e) {
+    if (edit_.busy() && e.button == Qt::LeftButton) return edit_.keep();
     if (busy() || e.button != Qt::LeftButton) return;
     move(e);
     if (grip_) return pose_.grab(*grip_, e);
@@ -84,6 +85,8 @@ std::optional<std::string> HandleTool::make(const Element& of) {
 }
 
 void HandleTool::move(const PointerEvent& e) {
+    last_ = e;
+    if (edit_.busy()) return edit_.move(e);
     if (busy()) return pose_.move(e);
     const Session& session = document_.session();
     grip_ = pickGrip(session, e);
@@ -109,6 +112,7 @@ void HandleTool::grow(int steps) {
 }
 
 bool HandleTool::wheel(double notches, const PointerEvent& e) {
+    if (edit_.busy()) return false;
     if (busy()) return pose_.wheel(notches, e);
     // Without Ctrl the wheel zooms, as everywhere.
     if (!(e.modifiers & Qt::ControlModifier)) return false;
@@ -117,7 +121,13 @@ bool HandleTool::wheel(double notches, const PointerEvent& e) {
 }
 
 bool HandleTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (edit_.busy()) return edit_.key(key, text);
     if (busy()) return pose_.key(key, modifiers, text);
+    if ((key == Qt::Key_G || key == Qt::Key_S) && modifiers == Qt::NoModifier && last_) {
+        if (!edit_.begin(key == Qt::Key_G ? HandleEdit::Does::Moves : HandleEdit::Does::Scales, *last_)) return false;
+        leave();
+        return true;
+    }
     if (key == Qt::Key_BracketLeft || key == Qt::Key_BracketRight) {
         grow(key == Qt::Key_BracketRight ? 1 : -1);
         return true;
@@ -135,16 +145,20 @@ bool HandleTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& te
 }
 
 bool HandleTool::wants(int key) const {
+    if (edit_.busy()) return true;
     if (busy()) return pose_.wants(key);
+    if (key == Qt::Key_G || key == Qt::Key_S) return last_ && document_.selection().size() == 1 && handleOf(document_.document(), document_.selection().front());
     return key == Qt::Key_BracketLeft || key == Qt::Key_BracketRight || (key == Qt::Key_P && grip_);
 }
 
 void HandleTool::cancel() {
+    edit_.cancel();
     pose_.cancel();
     leave();
 }
 
 QString HandleTool::hint() const {
+    if (edit_.busy()) return edit_.hint();
     if (busy()) return pose_.hint();
     if (grip_) return ToolTexts::tr("Drag: pose · P: pin · Delete: remove the selected");
     if (!refusal_.isEmpty()) return refusal_;
@@ -154,6 +168,7 @@ QString HandleTool::hint() const {
 }
 
 void HandleTool::decorate(render::Scene& scene) const {
+    if (edit_.busy()) return edit_.decorate(scene);
     if (busy()) return pose_.decorate(scene);
     const Element* of = element();
     if (!face_ || !of) return;

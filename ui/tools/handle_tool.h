@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "ui/tools/handle_edit.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/pose_tool.h"
 #include "ui/tools/tool.h"
@@ -11,10 +12,10 @@
 namespace imomushi {
 
 /// Makes handles: a press on a body makes one of the disc under the pointer, and drags it with the same press as the pose tool does. Handles that are there, and
-/// ends of bones, are dragged. [ and ], or Ctrl and the wheel, set how large discs are; P pins, Delete removes.
+/// ends of bones, are dragged. [ and ], or Ctrl and the wheel, set how large discs are; P pins, Delete removes. G moves the selected handle over the surface, S sets its radius.
 class HandleTool : public Tool {
 public:
-    explicit HandleTool(StudioDocument& document) : Tool(document), pose_(document) {}
+    explicit HandleTool(StudioDocument& document) : Tool(document), pose_(document), edit_(document) {}
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override { pose_.release(e); }
@@ -25,9 +26,10 @@ public:
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return pose_.busy(); }
+    [[nodiscard]] bool busy() const override { return edit_.busy() || pose_.busy(); }
+    [[nodiscard]] bool modal() const override { return edit_.busy() || pose_.modal(); }
     [[nodiscard]] QString hint() const override;
-    [[nodiscard]] QString banner() const override { return pose_.banner(); }
+    [[nodiscard]] QString banner() const override { return edit_.busy() ? edit_.banner() : pose_.banner(); }
     void decorate(render::Scene& scene) const override;
 
 private:
@@ -40,6 +42,8 @@ private:
     [[nodiscard]] const Element* element() const;
 
     PoseTool pose_;
+    HandleEdit edit_;
+    std::optional<PointerEvent> last_;     ///< where keys begin
     std::optional<PoseGrip> grip_;         ///< under the pointer
     std::optional<RayHit> hit_;            ///< of the preview
     std::shared_ptr<const Element> seen_;  ///< that element when the preview was made: a changed one needs a new preview

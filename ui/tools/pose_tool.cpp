@@ -52,6 +52,7 @@ std::optional<RayHit> PoseTool::fleshUnder(const PointerEvent& e) const {
 }
 
 void PoseTool::press(const PointerEvent& e) {
+    if (modal() && e.button == Qt::LeftButton) return keep();
     if (busy() || e.button != Qt::LeftButton) return;
     letGo_.reset();
     if (!pickGrip(document_.session(), e) && part_.press(e)) return;
@@ -69,6 +70,23 @@ void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
     const SelectionItem item = grip.item();
     if (!(e.modifiers & Qt::ShiftModifier) || !document_.isSelected(item)) selectByClick(document_, item, e.modifiers);
     take(grip, *at, e);
+}
+
+std::optional<PoseGrip> PoseTool::selectedGrip() const {
+    if (document_.selection().size() != 1) return std::nullopt;
+    const SelectionItem& item = document_.selection().front();
+    if (item.kind == SelectionItem::Kind::Endpoint) return PoseGrip{holdingEndpoint(document_.session(), {item.part, item.atEnd}), {}};
+    if (handleOf(document_.document(), item)) return PoseGrip{{}, {item.part, item.face}};
+    return std::nullopt;
+}
+
+bool PoseTool::grabSelected(const PointerEvent& e) {
+    const auto grip = selectedGrip();
+    const auto at = grip ? gripPosition(document_.session(), *grip) : std::nullopt;
+    if (!at || busy()) return false;
+    take(*grip, *at, e);
+    drag_->modal = true;
+    return true;
 }
 
 bool PoseTool::makePassing(const Flesh& flesh) {
@@ -137,6 +155,7 @@ void PoseTool::move(const PointerEvent& e) {
         }
     }
     if (!drag_) {
+        over_ = e;
         if (!pickGrip(document_.session(), e) && part_.hover(e)) {
             hovered_.reset();
             overFlesh_ = false;
@@ -248,7 +267,7 @@ void PoseTool::command(const Aim& to) {
 }
 
 void PoseTool::release(const PointerEvent& e) {
-    if (!busy() || e.button != Qt::LeftButton) return;
+    if (!busy() || modal() || e.button != Qt::LeftButton) return;
     if (part_.busy()) {
         if (!part_.moved()) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
         return part_.release(e);
@@ -324,13 +343,18 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
         bringBack();
         return true;
     }
-    if (!drag_) return false;
+    if (!drag_) return key == Qt::Key_G && modifiers == Qt::NoModifier && over_ && grabSelected(*over_);
+    if (drag_->modal && key == Qt::Key_G) {
+        turning_ = false;
+        return true;
+    }
     if (key == Qt::Key_K && drag_->passing) {
         drag_->passing->kept = !drag_->passing->kept;
         return true;
     }
     if (key == Qt::Key_R) {
-        turning_ = true;
+        turning_ = !drag_->modal || !turning_;
+        if (drag_->modal) drag_->typed.clear();
         return true;
     }
     if (key == Qt::Key_B && !drag_->end.isHandle()) {
@@ -363,13 +387,14 @@ bool PoseTool::type(int key, const QString& text) {
 
 bool PoseTool::wants(int key) const {
     if (key == Qt::Key_P) return drag_ || hovered_;
+    if (key == Qt::Key_G) return drag_ || (over_ && gripSelected());
     if (key == Qt::Key_K) return letGo_ || (drag_ && drag_->passing);
     if (key == Qt::Key_B) return drag_ && !drag_->end.isHandle();
     return drag_ && (key == Qt::Key_R || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z);
 }
 
 void PoseTool::keyReleased(int key) {
-    if (key == Qt::Key_R) turning_ = false;
+    if (key == Qt::Key_R && !modal()) turning_ = false;
 }
 
 void PoseTool::toggle(const PoseGrip& grip) {
@@ -405,6 +430,7 @@ QString PoseTool::hint() const {
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
                                     : ToolTexts::tr("Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
+    if (modal()) return ToolTexts::tr("Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R: turn · Esc: cancel");
     if (drag_ && drag_->end.isHandle()) return ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
     if (drag_)
         return document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
@@ -415,6 +441,7 @@ QString PoseTool::hint() const {
     const bool handles = std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
     if (d.bones.empty() && !handles) return ToolTexts::tr("There are no bones and no handles yet. Place them with their tools.");
     if (hovered_) return ToolTexts::tr("Drag: pose · P: pin · Double click: let go");
+    if (gripSelected()) return ToolTexts::tr("Drag the end of a bone or a handle · G: move the selected one");
     return handles ? ToolTexts::tr("Drag a handle or the end of a bone") : ToolTexts::tr("Drag the end of a bone");
 }
 

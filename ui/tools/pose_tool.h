@@ -23,6 +23,10 @@ public:
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
+    /// Takes the selected end of a bone or handle, and the pointer leads it without a button, until a press or Enter. False: none is selected.
+    bool grabSelected(const PointerEvent& e);
+    [[nodiscard]] bool gripSelected() const { return selectedGrip().has_value(); }
+    [[nodiscard]] bool modal() const override { return drag_ && drag_->modal; }
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
     void leave() override {
@@ -75,6 +79,7 @@ private:
         double fromRoll = 0.0;            ///< when the drag began
         Eigen::Quaterniond fromRotation = Eigen::Quaterniond::Identity();
         std::optional<Passing> passing;
+        bool modal = false;               ///< without a button
         bool held = false;                ///< a command took hold of it
         std::optional<Aim> given;         ///< where the performance was told to take it since the last command
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
@@ -86,6 +91,7 @@ private:
         Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     };
 
+    [[nodiscard]] std::optional<PoseGrip> selectedGrip() const;
     [[nodiscard]] std::optional<PoseGrip> gripUnder(const PointerEvent& e) const;
     /// Where a passing handle would be made; none: what is under the pointer is moved otherwise.
     [[nodiscard]] std::optional<RayHit> fleshUnder(const PointerEvent& e) const;
@@ -121,6 +127,7 @@ private:
     std::optional<Drag> drag_;
     std::optional<LetGo> letGo_;
     std::optional<PointerEvent> last_;  ///< of the drag, for keys that act on it
+    std::optional<PointerEvent> over_;  ///< where the pointer was last without one
     bool turning_ = false;              ///< R is held
 };
 

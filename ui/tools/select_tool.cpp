@@ -87,7 +87,10 @@ bool removeSelection(StudioDocument& document) {
 }
 
 void SelectTool::press(const PointerEvent& e) {
-    if (e.button != Qt::LeftButton || busy()) return;
+    if (e.button != Qt::LeftButton) return;
+    if (cut_.modal()) return cut_.keep();
+    if (pose_.modal()) return pose_.press(e);
+    if (busy()) return;
     // What is selected is what is meant.
     if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     const auto item = pickItem(document_.session(), e);
@@ -99,6 +102,7 @@ void SelectTool::press(const PointerEvent& e) {
 }
 
 void SelectTool::move(const PointerEvent& e) {
+    last_ = e;
     if (drag_) {
         drag_->to = {e.x, e.y};
         auto items = drag_->kept;
@@ -158,8 +162,15 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& te
     if (cut_.busy()) return cut_.key(key, text);
     if (part_.busy()) return part_.key(key, text);
     if (busy()) return pose_.key(key, modifiers, text);
+    if (key == Qt::Key_G && modifiers == Qt::NoModifier && last_) return cut_.begin(false, *last_) || pose_.grabSelected(*last_);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
+}
+
+bool SelectTool::wants(int key) const {
+    if (cut_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
+    if (busy()) return pose_.wants(key);
+    return key == Qt::Key_G && last_ && document_.selection().size() == 1 && (cutOf(document_.document(), document_.selection().front()) || pose_.gripSelected());
 }
 
 QString SelectTool::hint() const {

@@ -18,7 +18,8 @@ public:
     void release(const PointerEvent& e) override;
     bool wheel(double notches, const PointerEvent& e) override { return part_.busy() ? part_.wheel(notches, e) : pose_.wheel(notches, e); }
     bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
-    [[nodiscard]] bool wants(int key) const override { return cut_.busy() ? key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z : busy() && pose_.wants(key); }
+    [[nodiscard]] bool wants(int key) const override;
+    [[nodiscard]] bool modal() const override { return cut_.modal() || pose_.modal(); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
     void leave() override { part_.leave(); }
@@ -43,6 +44,7 @@ private:
     PartDrag part_;
     bool overCut_ = false;  // the pointer is over the plane of the selected cut
     std::optional<Drag> drag_;
+    std::optional<PointerEvent> last_;  // where keys begin
 };
 
 /// Selects `item` as a click with these modifiers does.

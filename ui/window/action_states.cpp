@@ -73,6 +73,9 @@ void ActionStates::update() {
     a.allow("release", held, tr("Nothing is held."));
     a.allow("rest", held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty(), tr("It is at rest."));
     for (const char* id : {"select-all", "export", "write-mesh", "picture"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
+    a.allow("select-invert", !d.elements.empty() || !d.bones.empty(), tr("The project is empty."));
+    a.allow("select-more", count(Kind::Element, Kind::Bone, Kind::Endpoint) > 0, tr("Select an element or a bone first."));
+    a.allow("select-chain", count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
     });

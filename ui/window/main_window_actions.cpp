@@ -105,6 +105,9 @@ void MainWindow::connectEditActions() {
     });
     on("select-all", [this] { selectAllElements(document_); });
     on("select-none", [this] { document_.select({}); });
+    on("select-invert", [this] { invertSelection(document_); });
+    on("select-more", [this] { growSelection(document_); });
+    on("select-chain", [this] { selectChain(document_); });
     on("preferences", [this] { openPreferences(); });
     auto* tools = new QActionGroup(this);
     for (const auto& [id, kind] : kTools) {
