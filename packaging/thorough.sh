@@ -4,6 +4,7 @@
 #   packaging/thorough.sh [STEP...]    all of them unless named
 #   repeats    all tests, those of chance as often as they can be asked to (IMOMUSHI_THOROUGH)
 #   frames     a million frames of each sample with all effects on, and 100,000 of it on the ground
+#   flood      an hour of 15,000 OSC messages a second on each sample, and on one that is recorded
 #   address    all tests with the address and undefined-behaviour sanitizers
 #   thread     all tests with the thread sanitizer
 #   fuzz       each fuzzer for ten minutes
@@ -12,7 +13,7 @@ set -uo pipefail
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)
 cd "$root"
 steps=("$@")
-[ ${#steps[@]} -gt 0 ] || steps=(repeats frames address thread fuzz)
+[ ${#steps[@]} -gt 0 ] || steps=(repeats frames flood address thread fuzz)
 mkdir -p build-thorough
 
 # Whole tests may take many times as long as usual.
@@ -21,6 +22,7 @@ built() { cmake --preset "$1" && cmake --build --preset "$1"; }
 
 repeats() { packaging/install.sh test && packaging/build.sh all && IMOMUSHI_THOROUGH=1 all_tests build; }
 frames() { packaging/install.sh test && packaging/build.sh all && IMOMUSHI_SOAK_FRAMES=1000000 all_tests build -R 'document/effects: '; }
+flood() { packaging/install.sh test && packaging/build.sh all && IMOMUSHI_FLOOD_SECONDS=3600 all_tests build -R 'run/flood: '; }
 # What lives until the end of the program is no leak; libraries keep much of it.
 address() { packaging/install.sh test && built asan && ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 all_tests build-asan; }
 # Libraries are not instrumented: what they do among themselves is not judged.
@@ -38,8 +40,8 @@ fuzz() {
 failed=()
 for step in "${steps[@]}"; do
     case "$step" in
-        repeats | frames | address | thread | fuzz) ;;
-        *) echo "thorough.sh: \"$step\" is none of repeats, frames, address, thread, fuzz." >&2; exit 2 ;;
+        repeats | frames | flood | address | thread | fuzz) ;;
+        *) echo "thorough.sh: \"$step\" is none of repeats, frames, flood, address, thread, fuzz." >&2; exit 2 ;;
     esac
     echo "$step: see build-thorough/$step.log"
     start=$SECONDS

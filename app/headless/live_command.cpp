@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -56,6 +57,13 @@ private:
     static inline std::atomic<bool> interrupted_ = false;
     struct sigaction formerInt_ = {}, formerTerm_ = {};
 };
+
+/// That this process has used so far, ms.
+double processorMilliseconds() {
+    timespec used{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return 1e3 * static_cast<double>(used.tv_sec) + 1e-6 * static_cast<double>(used.tv_nsec);
+}
 
 struct Listening {
     std::vector<RawSource> sources;
@@ -129,7 +137,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     const auto stepTime = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStepSeconds));
     Clock::time_point until = start;
     InputListener listener(std::move(heard.ports));
-    std::vector<double> milliseconds, latency;  // of each step; from its first packet until it was made
+    std::vector<double> milliseconds, processor, latency;  // of each step, by the clock and of processors; from its first packet until it was made
     std::uint64_t tooLong = 0, late = 0;
     const auto frames = static_cast<std::size_t>(longest / kStepSeconds + 0.5);
     const auto since = [](Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
@@ -150,7 +158,9 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
             performance.take(i, nanoseconds, packet, [&] { listener.answerList(i, [&] { return nameMessages(access.document()); }); });
         });
         const Clock::time_point began = Clock::now();
+        const double used = processorMilliseconds();
         if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
+        processor.push_back(processorMilliseconds() - used);
         if (recording) recording->endStep();
         const Clock::time_point made = Clock::now();
         milliseconds.push_back(since(began, made));
@@ -167,6 +177,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     (*answer)["too_long"] = tooLong;
     (*answer)["late"] = late;
     (*answer)["ms_per_step"] = summary(std::move(milliseconds));
+    (*answer)["processor_ms_per_step"] = summary(std::move(processor));
     (*answer)["latency_ms"] = summary(std::move(latency));
     return answer;
 }

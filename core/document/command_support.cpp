@@ -117,13 +117,16 @@ Result<std::shared_ptr<const Take>> takeOf(const Document& document, std::string
 }
 
 Json summary(std::vector<double> values) {
-    if (values.empty()) return Json{{"median", 0.0}, {"p99", 0.0}, {"max", 0.0}};
+    if (values.empty()) values.push_back(0.0);
     std::sort(values.begin(), values.end());
     const auto rank = [&](double part) {
         const auto n = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
         return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
     };
-    return Json{{"median", rank(0.5)}, {"p99", rank(0.99)}, {"max", values.back()}};
+    Json out{{"median", rank(0.5)}, {"p99", rank(0.99)}};
+    if (values.size() >= 1000) out["p999"] = rank(0.999);
+    out["max"] = values.back();
+    return out;
 }
 
 Json placeJson(const Document& document, const Bone::Place& place) {

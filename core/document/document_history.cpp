@@ -216,7 +216,7 @@ bool DocumentHistory::endGesture(Step named) {
 Document DocumentHistory::cancelGesture() noexcept {
     gesture_->before.nextId = document_.nextId;
     scriptBytes_ -= gesture_->lines.size();
-    frames_.clear();
+    passed_ = {};
     Document left = std::exchange(document_, std::move(gesture_->before));
     gesture_.reset();
     return left;
@@ -245,11 +245,13 @@ void DocumentHistory::replace(Document document, std::filesystem::path path, boo
     position_ = 0;
     savedPosition_ = saved ? 0 : -1;
     gesture_.reset();
-    frames_.clear();
+    passed_ = {};
 }
 
-void DocumentHistory::note(const Json& line) {
-    const Lines lines = kept(textOf(line));
+void DocumentHistory::note(const Json& line) { noteText(textOf(line)); }
+
+void DocumentHistory::noteText(Lines text) {
+    const Lines lines = kept(std::move(text));
     Lines* last = lastLines(gesture_.has_value());
     if (!last) return;
     *last += lines;
@@ -283,31 +285,34 @@ void DocumentHistory::dropLines() {
 }
 
 void DocumentHistory::forgetScript() noexcept {
-    frames_.clear();
-    inputs_.clear();
+    passed_ = {};
     dropLines();
 }
 
 void DocumentHistory::noteFrame(double seconds) {
-    if (frames_.size() >= kMostFrames) flushFrames();
-    frames_.push_back(seconds);
-    if (inputs_.size() >= kMostInputs) flushFrames();
+    if (passed_.frames.size() >= kMostFrames) flushFrames();
+    passed_.frames.push_back(seconds);
+    if (passed_.count >= kMostInputs) flushFrames();
 }
 
 void DocumentHistory::noteInput(Json input) {
-    if (frames_.size() >= kMostFrames) flushFrames();
-    input["frame"] = frames_.size();
-    inputs_.push_back(std::move(input));
+    if (!hasScript()) return;
+    if (passed_.frames.size() >= kMostFrames) flushFrames();
+    input["frame"] = passed_.frames.size();
+    passed_.inputs += ',' + input.dump(-1, ' ', false, Json::error_handler_t::replace);
+    ++passed_.count;
 }
 
 void DocumentHistory::flushFrames() {
-    if (frames_.empty()) return inputs_.clear();
-    const bool even = std::all_of(frames_.begin(), frames_.end(), [&](double dt) { return dt == frames_[0]; });
-    Json line{{"do", "step"}, {"frames", frames_.size()}, {"dt", even ? Json(frames_[0]) : Json(frames_)}};
-    if (!inputs_.empty()) line["inputs"] = inputs_;
-    note(line);
-    frames_.clear();
-    inputs_.clear();
+    const std::vector<double>& frames = passed_.frames;
+    if (!frames.empty()) {
+        const bool even = std::all_of(frames.begin(), frames.end(), [&](double dt) { return dt == frames[0]; });
+        Lines line = textOf({{"do", "step"}, {"frames", frames.size()}, {"dt", even ? Json(frames[0]) : Json(frames)}});
+        // Values of so many would take a performance a tenth of a second.
+        if (passed_.count > 0) line.replace(line.size() - 2, 1, ",\"inputs\":[" + passed_.inputs.substr(1) + "]}");
+        noteText(std::move(line));
+    }
+    passed_ = {};
 }
 
 std::vector<Json> DocumentHistory::script() const {

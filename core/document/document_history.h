@@ -77,7 +77,7 @@ public:
     void note(const Json& line);
     /// A frame of `seconds` was stepped: takes depend on frames. Frames become one line when flushFrames() is called.
     void noteFrame(double seconds);
-    /// What a hand or a device gave before the frame that is noted next: an input of the command "step", without its frame.
+    /// What a hand or a device gave before the frame that is noted next: an input of the command "step", without its frame. Only where there is a script.
     void noteInput(Json input);
     /// There is no script from here on (hasScript()): there was no memory to note what passed.
     void forgetScript() noexcept;
@@ -113,6 +113,7 @@ private:
     [[nodiscard]] Lines* lastLines(bool ofGesture);
     /// What is kept of lines that are about to be added.
     [[nodiscard]] Lines kept(Lines lines);
+    void noteText(Lines text);
     void dropLines();
     void dropOldest();
     /// Undoes entries [first, last) or redoes them.
@@ -127,8 +128,13 @@ private:
     int position_ = 0;
     int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
     std::optional<Gesture> gesture_;
-    std::vector<double> frames_;     // s each, not flushed yet
-    std::vector<Json> inputs_;       // of these
+    /// What passed and is no line yet.
+    struct Passed {
+        std::vector<double> frames;  // s each
+        std::string inputs;          // of these, as they stand in the line, each after a comma
+        std::size_t count = 0;       // of the inputs
+    };
+    Passed passed_;
     std::size_t scriptBytes_ = 0;    // of all lines; those that were undone count until other steps replace them
     std::size_t mostScriptBytes_ = kScriptBytes;
     std::optional<int> scriptFrom_ = 0;  // firstLines_ and the lines of entries from here on are the script; none: lines are missing

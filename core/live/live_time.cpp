@@ -95,7 +95,7 @@ bool LiveCharacter::apply(const LiveInput& input) {
     }
     wake(!input.isNumber());
     if (!performed_) {
-        history_.noteInput(lineOf(input));
+        if (history_.hasScript()) history_.noteInput(lineOf(input));
         return true;
     }
     const std::size_t frame = performedFrames_.size();

@@ -298,3 +298,27 @@ TEST_CASE("script: beyond its bytes there is none, and it begins anew where the 
     w.good({{"do", "save"}, {"path", path}});
     CHECK(w.session.script().size() == 1);
 }
+
+TEST_CASE("script: what passed in a gesture that is taken back is not in it, and inputs stand at their frames") {
+    DocumentHistory history;
+    const auto record = [&](const char* action) {
+        history.flushFrames();
+        history.note({{"do", "record"}, {"take", "t"}, {"action", action}});
+    };
+    const auto give = [&](double x) { history.noteInput({{"endpoint", "b/end"}, {"to", {x, 0.0, 5.0}}}); };
+    record("start");
+    history.beginGesture();
+    history.noteFrame(0.5);
+    give(1.0);
+    history.noteFrame(0.5);
+    (void)history.cancelGesture();
+    history.noteFrame(0.25);
+    give(2.0);
+    give(3.0);
+    history.noteFrame(0.125);
+    record("stop");
+    const std::vector<Json> script = history.script();
+    REQUIRE(script.size() == 4);
+    CHECK(script[2] == Json({{"do", "step"}, {"frames", 2}, {"dt", {0.25, 0.125}},
+                             {"inputs", {{{"endpoint", "b/end"}, {"to", {2.0, 0.0, 5.0}}, {"frame", 1}}, {{"endpoint", "b/end"}, {"to", {3.0, 0.0, 5.0}}, {"frame", 1}}}}}));
+}
