@@ -24,6 +24,8 @@ constexpr double kFarthest = 100.0;
 constexpr double kGone = 1e-7;
 /// Rounds in which the width of a contact and its depth, which follow from each other, are found: to a percent.
 constexpr int kWidenings = 10;
+/// Of the range of depths (its logarithm) between what patches alone would reach and a goal that is too deep.
+constexpr int kHalvings = 12;
 /// What is left of coming in, below which a finger is where it wants to be.
 constexpr double kArrived = 1e-7;
 /// Slack in the tests of goals and of the largest strain.
@@ -131,6 +133,34 @@ double TouchContact::largestGradient(const Eigen::VectorXd& gradients) const {
     double most = 0.0;
     for (Eigen::Index i = 0; i < gradients.size(); i += 9) most = std::max(most, gradients.segment<9>(i).squaredNorm());
     return std::sqrt(most);
+}
+
+/// The largest gradient that it makes alone at its goal, with its contact and its compliance there.
+double TouchContact::strainAlone(std::size_t finger) {
+    Finger& f = fingers_[finger];
+    Eigen::Matrix3d& compliance = solver_.compliance(finger, finger);
+    if (f.dent.patchRadius > 0.0) {
+        widen(finger);
+        compliance = byPatches_[finger * kFingers + finger];
+        if (f.dent.radius > 0.0) compliance += dented(f, f.dent);
+    }
+    ContactSolver::solveAlone(compliance, f.goal, settings_.friction, f);
+    gradients_.noalias() = f.gradients.transpose() * f.force;
+    return largestGradient(gradients_);
+}
+
+/// Takes its goal, where strainAlone() is `strain`, back to where it is mostStrain. The strain grows more than the depth: contacts get wider, and dents stiffer.
+void TouchContact::reach(std::size_t finger, double strain) {
+    Finger& f = fingers_[finger];
+    const Vec3 goal = f.goal;
+    double reached = settings_.mostStrain / strain, beyond = 1.0;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double part = std::sqrt(reached * beyond);
+        f.goal = part * goal;
+        (strainAlone(finger) > settings_.mostStrain ? beyond : reached) = part;
+    }
+    f.goal = reached * goal;
+    (void)strainAlone(finger);
 }
 
 bool TouchContact::place(int finger, const Point& point, double radius) {
@@ -324,18 +354,14 @@ void TouchContact::solve() {
         f.how = ContactPoint::How::None;
         if (!f.aimed || f.wanted.dot(f.normal) >= 0.0) continue;
         f.goal = (1.0 - f.remaining) * f.wanted;
-        // Alone it would press no deeper than the largest gradient.
+        // Alone it would press no deeper than the largest gradient. Where it wants to, its contact is as wide as what it reaches calls for.
         const Vec3 before = f.force;
-        if (f.dent.patchRadius > 0.0) {
-            widen(i);
-            solver_.compliance(i, i) = byPatches_[i * kFingers + i];
-            if (f.dent.radius > 0.0) solver_.compliance(i, i) += dented(f, f.dent);
-        }
-        ContactSolver::solveAlone(solver_.compliance(i, i), f.goal, settings_.friction, f);
-        gradients_.noalias() = f.gradients.transpose() * f.force;
-        if (const double most = largestGradient(gradients_); most > settings_.mostStrain) {
-            f.goal *= settings_.mostStrain / most;
+        if (const double most = strainAlone(i); most > settings_.mostStrain) {
             f.clamped = true;
+            if (f.dent.patchRadius > 0.0)
+                reach(i, most);
+            else
+                f.goal *= settings_.mostStrain / most;
         }
         f.force = before;
         if (!resting_) f.goal.noalias() -= f.rows * left_;

@@ -124,6 +124,8 @@ private:
     [[nodiscard]] double largestGradient(const Eigen::VectorXd& gradients) const;
     [[nodiscard]] Eigen::Matrix3d dented(const Finger& finger, const Dent& by) const;
     void widen(std::size_t finger);
+    double strainAlone(std::size_t finger);
+    void reach(std::size_t finger, double strain);
     void findDents();
     void leave(Finger& finger);
     void advance(double seconds);

@@ -231,6 +231,37 @@ TEST_CASE("dents: a deep finger has a wider contact instead of a torn surface, a
     }
 }
 
+TEST_CASE("dents: a finger that wants to go deeper than flesh gives way makes a dent, deeper than patches alone give way, and as deep however far it wants") {
+    const Pressed& on = coarse();
+    const auto pressed = [&](double tip, double depth) {
+        TouchContact contact = on.contact(tip);
+        REQUIRE(contact.place(0, contact.surface().nearest(Vec3(0, 0, 10)), 0.0));
+        REQUIRE(contact.aim(0, Vec3(0, 0, -depth), Vec3::UnitZ()));
+        contact.converge();
+        return contact;
+    };
+    const auto deep = [&](const TouchContact& contact) { return profileOf(on.body.mesh, on.displacement(contact)).front().second; };
+    const TouchContact plain = pressed(0.0, 50.0);
+    REQUIRE(plain.clamped(0));
+    double last = 0.0;
+    for (const double depth : {2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 15.0, 50.0, 900.0}) {
+        CAPTURE(depth);
+        const TouchContact contact = pressed(0.3, depth);
+        const double reached = deep(contact);
+        CHECK(reached >= last * (1.0 - 1e-3));
+        if (contact.clamped(0)) {
+            CHECK(reached > deep(plain));
+            CHECK(reached < depth);
+            CHECK(contact.dents()[0].active());
+        } else {
+            CHECK(reached == doctest::Approx(depth).epsilon(1e-6));
+        }
+        last = reached;
+    }
+    CHECK(last == doctest::Approx(deep(pressed(0.3, 20.0))).epsilon(1e-3));
+    CHECK(last < 9.0);
+}
+
 TEST_CASE("dents: between two shapes of a take a dent that comes stays in its place") {
     Dent a, b;
     b.force = Vec3(0, 0, -2);
