@@ -347,6 +347,58 @@
             <source>Select the chain of &amp;bones</source>
             <translation>ボーンの鎖を選択(&amp;B)</translation>
         </message>
+        <message>
+            <source>&amp;Keep the pose</source>
+            <translation>ポーズを保存(&amp;K)</translation>
+        </message>
+        <message>
+            <source>&amp;Mirror the pose</source>
+            <translation>ポーズを左右反転(&amp;M)</translation>
+        </message>
+        <message>
+            <source>Selected &amp;bones to rest</source>
+            <translation>選択したボーンを静止姿勢へ(&amp;B)</translation>
+        </message>
+        <message>
+            <source>&amp;Chains of the selected bones to rest</source>
+            <translation>選択したボーンの鎖を静止姿勢へ(&amp;C)</translation>
+        </message>
+        <message>
+            <source>Pose &amp;1</source>
+            <translation>ポーズ &amp;1</translation>
+        </message>
+        <message>
+            <source>Pose &amp;2</source>
+            <translation>ポーズ &amp;2</translation>
+        </message>
+        <message>
+            <source>Pose &amp;3</source>
+            <translation>ポーズ &amp;3</translation>
+        </message>
+        <message>
+            <source>Pose &amp;4</source>
+            <translation>ポーズ &amp;4</translation>
+        </message>
+        <message>
+            <source>Pose &amp;5</source>
+            <translation>ポーズ &amp;5</translation>
+        </message>
+        <message>
+            <source>Pose &amp;6</source>
+            <translation>ポーズ &amp;6</translation>
+        </message>
+        <message>
+            <source>Pose &amp;7</source>
+            <translation>ポーズ &amp;7</translation>
+        </message>
+        <message>
+            <source>Pose &amp;8</source>
+            <translation>ポーズ &amp;8</translation>
+        </message>
+        <message>
+            <source>Pose &amp;9</source>
+            <translation>ポーズ &amp;9</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1314,6 +1366,22 @@
             <source>Devices of this kind cannot be had on this machine: the system has no driver for them, or does not let this program have them.</source>
             <translation>このコンピューターでは、この種類の機器を使えません。システムにドライバーがないか、このプログラムに許していません。</translation>
         </message>
+        <message>
+            <source>There is no kept pose of that name.</source>
+            <translation>その名前の保存したポーズはありません。</translation>
+        </message>
+        <message>
+            <source>There are no bones and no handles yet: a pose is of them.</source>
+            <translation>ボーンもハンドルもまだありません。ポーズはそれらから成ります。</translation>
+        </message>
+        <message>
+            <source>There are too many kept poses. Remove some first.</source>
+            <translation>保存したポーズが多すぎます。先にいくつか削除してください。</translation>
+        </message>
+        <message>
+            <source>A kept pose is broken.</source>
+            <translation>保存したポーズが壊れています。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1821,6 +1889,30 @@
         <message>
             <source>Make character</source>
             <translation>キャラクターにする</translation>
+        </message>
+        <message>
+            <source>Keep pose</source>
+            <translation>ポーズを保存</translation>
+        </message>
+        <message>
+            <source>Apply pose</source>
+            <translation>ポーズを適用</translation>
+        </message>
+        <message>
+            <source>Mirror the pose</source>
+            <translation>ポーズを左右反転</translation>
+        </message>
+        <message>
+            <source>Bones to rest</source>
+            <translation>ボーンを静止姿勢へ</translation>
+        </message>
+        <message>
+            <source>Rename pose</source>
+            <translation>ポーズの名前を変更</translation>
+        </message>
+        <message>
+            <source>Remove pose</source>
+            <translation>ポーズを削除</translation>
         </message>
     </context>
     <context>
@@ -3945,6 +4037,14 @@
             <source>Select a bone first.</source>
             <translation>先にボーンを選択してください。</translation>
         </message>
+        <message>
+            <source>There are no bones and no handles yet.</source>
+            <translation>ボーンもハンドルもまだありません。</translation>
+        </message>
+        <message>
+            <source>So many poses are not kept yet.</source>
+            <translation>その番号のポーズはまだ保存されていません。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::ControlsDialog</name>
@@ -4151,6 +4251,10 @@
             <source>Live inputs</source>
             <translation>ライブ入力</translation>
         </message>
+        <message>
+            <source>Poses</source>
+            <translation>ポーズ</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::StudioMenus</name>
@@ -4209,6 +4313,10 @@
         <message>
             <source>Hel&amp;p</source>
             <translation>ヘルプ(&amp;P)</translation>
+        </message>
+        <message>
+            <source>Poses</source>
+            <translation>ポーズ</translation>
         </message>
     </context>
     <context>
@@ -6688,6 +6796,57 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>a MIDI device</source>
             <translation>MIDI 機器</translation>
+        </message>
+    </context>
+<context>
+        <name>imomushi::PosesPanel</name>
+        <message>
+            <source>Double click or Alt+%1: pose the character so</source>
+            <translation>ダブルクリックか Alt+%1：このポーズにする</translation>
+        </message>
+        <message>
+            <source>Pose so</source>
+            <translation>このポーズにする</translation>
+        </message>
+        <message>
+            <source>Pose so, mirrored</source>
+            <translation>左右反転してこのポーズにする</translation>
+        </message>
+        <message>
+            <source>Half of the way</source>
+            <translation>半分だけ近づける</translation>
+        </message>
+        <message>
+            <source>Keep the present pose here</source>
+            <translation>今のポーズをここに保存</translation>
+        </message>
+        <message>
+            <source>Rename</source>
+            <translation>名前を変更</translation>
+        </message>
+        <message>
+            <source>Remove</source>
+            <translation>削除</translation>
+        </message>
+        <message>
+            <source>Poses</source>
+            <translation>ポーズ</translation>
+        </message>
+        <message>
+            <source>No poses yet. Pose the character, and keep the pose.</source>
+            <translation>ポーズはまだありません。キャラクターにポーズを付けて、保存してください。</translation>
+        </message>
+        <message>
+            <source>Part of the way</source>
+            <translation>近づける割合</translation>
+        </message>
+        <message>
+            <source>Part of the way to the chosen pose</source>
+            <translation>選んだポーズに近づける割合</translation>
+        </message>
+        <message>
+            <source>Drag: the character goes that far to the chosen pose</source>
+            <translation>ドラッグ：選んだポーズにその割合だけ近づきます</translation>
         </message>
     </context>
 </TS>

@@ -23,6 +23,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addBoneCommands(registry);
     addPropertyCommands(registry);
     addEffectCommands(registry);
+    addKeptPoseCommands(registry);
     addMappingCommands(registry);
     addPoseCheckCommands(registry);
     addSolveCommands(registry);

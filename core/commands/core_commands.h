@@ -28,6 +28,7 @@ void addAvatarCommands(CommandRegistry& registry);    // express
 void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, remove-bone
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
+void addKeptPoseCommands(CommandRegistry& registry);  // keep-pose, apply-pose, mirror-pose, rest-bones, rename-pose, remove-pose
 void addMappingCommands(CommandRegistry& registry);   // map-input, unmap-input, save-mappings, load-mappings
 void addPoseCheckCommands(CommandRegistry& registry); // check-pose
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element

@@ -185,6 +185,10 @@ struct UnknownRows {
 struct InputMapping;
 using InputMappings = std::vector<InputMapping>;
 
+/// Poses that the artist kept by name (kept_pose.h), in their order.
+struct KeptPose;
+using KeptPoses = std::vector<KeptPose>;
+
 /// What the artist authors, in immutable parts: a change replaces a part by another one. Commands change it (document_edit.h); as frames pass, inverse kinematics
 /// moves `pose` and glides advance (live_character.h).
 struct Document {
@@ -201,6 +205,7 @@ struct Document {
     std::map<MorphRef, double> morphs; ///< weights of morph targets where they are not those at rest (MorphTarget::atRest)
     std::vector<Touch> touches;        ///< fingers that are down
     std::shared_ptr<const InputMappings> mappings;  ///< null: nothing is mapped
+    std::shared_ptr<const KeptPoses> poses;  ///< null: none is kept
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
     UnknownRows unknown;

@@ -27,6 +27,7 @@ struct DocumentChange {
     std::map<PartId, std::shared_ptr<const Take>> takes;
     std::optional<std::vector<Touch>> touches;
     std::optional<std::shared_ptr<const InputMappings>> mappings;
+    std::optional<std::shared_ptr<const KeptPoses>> poses;
     std::optional<Pose> pose;
     bool unknown = false;  ///< memory ran out while it was made, for who is told of it: anything may differ
 
@@ -41,7 +42,7 @@ struct DocumentChange {
     /// What responses are solved from differs.
     [[nodiscard]] bool forResponses() const { return has(&DocumentChange::elements) || has(&DocumentChange::effects) || has(&DocumentChange::settings); }
     [[nodiscard]] bool empty() const;
-    /// Elements, joints, bones, characters, settings, effects, takes or mappings differ.
+    /// Elements, joints, bones, characters, settings, effects, takes, mappings or kept poses differ.
     [[nodiscard]] bool structure() const;
     /// Targets of endpoints or handles, turns of parts, weights of morph targets, fingers or the pose differ.
     [[nodiscard]] bool posing() const;

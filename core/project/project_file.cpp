@@ -15,6 +15,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/try.h"
 #include "core/document/input_mapping.h"
+#include "core/document/kept_pose.h"
 #include "core/project/project_content.h"
 #include "core/project/project_rows.h"
 #include "core/project/project_tables.h"
@@ -44,7 +45,7 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kMappings = "mappings", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kMappings = "mappings", *kPoses = "poses", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
@@ -56,6 +57,7 @@ void writeSettings(Database& db, const Document& document) {
     settings.row(kBodyFollows, std::string(follows.data(), written.ptr));
     settings.row(kNextId, std::to_string(document.nextId));
     if (document.mappings) settings.row(kMappings, mappingsJson(*document.mappings).dump());
+    if (document.poses) settings.row(kPoses, keptPosesJson(*document.poses).dump());
     for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
 }
 
@@ -93,6 +95,12 @@ void readSettings(Database& db, Document& document) {
         auto mappings = list.is_discarded() ? Result<InputMappings>(fail("bad-json", "")) : mappingsFrom(list);
         require(mappings.has_value(), "a mapping is broken");
         setMappings(document, std::move(*mappings));
+    }
+    if (const auto found = all.extract(kPoses)) {
+        const Json list = Json::parse(found.mapped(), nullptr, false);
+        auto poses = list.is_discarded() ? Result<KeptPoses>(fail("bad-json", "")) : keptPosesFrom(list);
+        require(poses.has_value(), "a kept pose is broken");
+        setKeptPoses(document, std::move(*poses));
     }
     document.unknown.settings = std::move(all);
 }

@@ -250,6 +250,25 @@ Json setPinned(const std::string& endpoint, bool pinned) { return {{"do", pinned
 Json release(const std::string& endpoint) { return {{"do", "release"}, {"endpoint", endpoint}}; }
 Json releaseAll() { return {{"do", "release"}}; }
 Json rest() { return {{"do", "rest"}}; }
+Json keepPose(const std::string& name) {
+    Json command = {{"do", "keep-pose"}};
+    if (!name.empty()) command["name"] = name;
+    return command;
+}
+Json applyPose(const std::string& name, double share, bool mirrored) {
+    Json command = {{"do", "apply-pose"}, {"name", name}};
+    if (share < 1.0) command["share"] = share;
+    if (mirrored) command["mirrored"] = true;
+    return command;
+}
+Json mirrorPose() { return {{"do", "mirror-pose"}}; }
+Json restBones(const std::vector<std::string>& bones, bool chain) {
+    Json command = {{"do", "rest-bones"}, {"bones", bones}};
+    if (chain) command["chain"] = true;
+    return command;
+}
+Json renamePose(const std::string& pose, const std::string& name) { return {{"do", "rename-pose"}, {"pose", pose}, {"name", name}}; }
+Json removePose(const std::string& pose) { return {{"do", "remove-pose"}, {"pose", pose}}; }
 
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to) {
     return {{"do", "touch"}, {"element", element}, {"point", vector(point)}, {"to", to ? vector(*to) : Json()}};

@@ -207,6 +207,14 @@ Json pinOrientation(const std::string& endpoint, bool held);
 Json release(const std::string& endpoint);
 Json releaseAll();
 Json rest();
+/// `name`: empty: a new one.
+Json keepPose(const std::string& name = {});
+/// `share`: how far on the way there, 0...1.
+Json applyPose(const std::string& name, double share = 1.0, bool mirrored = false);
+Json mirrorPose();
+Json restBones(const std::vector<std::string>& bones, bool chain);
+Json renamePose(const std::string& pose, const std::string& name);
+Json removePose(const std::string& pose);
 /// A finger at the point `point` of the rest shape, whose tip is at `to`; m. Without `to` it is lifted.
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to);
 

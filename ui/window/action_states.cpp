@@ -17,6 +17,8 @@
 #include "ui/window/step_flow.h"
 #include "ui/window/studio_actions.h"
 
+#include "core/document/kept_pose.h"
+
 namespace imomushi {
 
 using Kind = SelectionItem::Kind;
@@ -76,6 +78,10 @@ void ActionStates::update() {
     a.allow("select-invert", !d.elements.empty() || !d.bones.empty(), tr("The project is empty."));
     a.allow("select-more", count(Kind::Element, Kind::Bone, Kind::Endpoint) > 0, tr("Select an element or a bone first."));
     a.allow("select-chain", count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));
+    const bool poses = !d.bones.empty() || std::any_of(d.elements.begin(), d.elements.end(), [](const auto& e) { return !e.second->handles.empty(); });
+    for (const char* id : {"keep-pose", "mirror-pose"}) a.allow(id, poses, tr("There are no bones and no handles yet."));
+    for (const char* id : {"rest-bones", "rest-chain"}) a.allow(id, count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));
+    for (int n = 1; n <= 9; ++n) a.allow(QByteArray("pose-").append(QByteArray::number(n)).constData(), keptPoses(d).size() >= std::size_t(n), tr("So many poses are not kept yet."));
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
     });

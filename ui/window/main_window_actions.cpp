@@ -7,6 +7,7 @@
 #include <QSettings>
 
 #include "core/commands/proposal_commands.h"
+#include "core/document/kept_pose.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/manual_dialog.h"
@@ -17,6 +18,7 @@
 #include "ui/models/input_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/panels/poses_panel.h"
 #include "ui/panels/live/live_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
@@ -108,6 +110,23 @@ void MainWindow::connectEditActions() {
     on("select-invert", [this] { invertSelection(document_); });
     on("select-more", [this] { growSelection(document_); });
     on("select-chain", [this] { selectChain(document_); });
+    onSettled("keep-pose", [this] {
+        if (document_.execute(commands::keepPose())) StudioDocks::raise(docks_->poses());
+    });
+    onSettled("mirror-pose", [this] { document_.execute(commands::mirrorPose()); });
+    const auto restSelected = [this](bool chain) {
+        std::vector<std::string> names;
+        for (const SelectionItem& item : document_.selection())
+            if (item.kind == SelectionItem::Kind::Bone || item.kind == SelectionItem::Kind::Endpoint) names.push_back(document_.document().bones.at(item.part)->name);
+        if (!names.empty()) document_.execute(commands::restBones(names, chain));
+    };
+    onSettled("rest-bones", [restSelected] { restSelected(false); });
+    onSettled("rest-chain", [restSelected] { restSelected(true); });
+    for (std::size_t n = 1; n <= 9; ++n)
+        onSettled(QByteArray("pose-").append(QByteArray::number(qulonglong(n))).constData(), [this, n] {
+            const KeptPoses& poses = keptPoses(document_.document());
+            if (poses.size() >= n) document_.execute(commands::applyPose(poses[n - 1].name));
+        });
     on("preferences", [this] { openPreferences(); });
     auto* tools = new QActionGroup(this);
     for (const auto& [id, kind] : kTools) {

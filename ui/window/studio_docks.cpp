@@ -18,6 +18,7 @@
 #include "ui/panels/issues_panel.h"
 #include "ui/panels/live/live_panel.h"
 #include "ui/panels/outliner_panel.h"
+#include "ui/panels/poses_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/scrolled.h"
@@ -74,11 +75,15 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         area->setMinimumHeight(pixels);
         if (tight && area->height() > pixels) window_.resizeDocks({takesDock_}, {above + pixels}, Qt::Vertical);
     }, Qt::QueuedConnection);
+    poses_ = new PosesPanel(document, actions, &window);
+    posesDock_ = dock("posesDock", new Scrolled(poses_, &window), Qt::BottomDockWidgetArea);
+    posesDock_->hide();
     live_ = new LivePanel(document, inputs, deck, actions, &window);
     liveDock_ = dock("liveDock", new Scrolled(live_, &window), Qt::BottomDockWidgetArea);
     liveDock_->hide();
     window.tabifyDockWidget(accuracyDock_, takesDock_);
-    window.tabifyDockWidget(takesDock_, liveDock_);
+    window.tabifyDockWidget(takesDock_, posesDock_);
+    window.tabifyDockWidget(posesDock_, liveDock_);
     // Split first: a dock that is split off a tab only becomes another tab.
     window.splitDockWidget(outlinerDock_, inspectorDock_, Qt::Vertical);
     window.tabifyDockWidget(outlinerDock_, historyDock_);
@@ -118,6 +123,7 @@ void StudioDocks::retranslate() {
     effectsDock_->setWindowTitle(tr("Effects"));
     accuracyDock_->setWindowTitle(tr("Accuracy and cost"));
     takesDock_->setWindowTitle(tr("Takes"));
+    posesDock_->setWindowTitle(tr("Poses"));
     liveDock_->setWindowTitle(tr("Live inputs"));
     tellIssues();
     followActions();

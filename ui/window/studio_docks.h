@@ -21,6 +21,7 @@ class IssuesPanel;
 class InputDeck;
 class LivePanel;
 class OutlinerPanel;
+class PosesPanel;
 class StudioDocument;
 class TakeDeck;
 class TakesPanel;
@@ -40,10 +41,11 @@ public:
     [[nodiscard]] EffectsPanel& effects() const { return *effects_; }
     [[nodiscard]] AccuracyPanel& accuracy() const { return *accuracy_; }
     [[nodiscard]] TakesPanel& takes() const { return *takes_; }
+    [[nodiscard]] PosesPanel& poses() const { return *poses_; }
     [[nodiscard]] LivePanel& live() const { return *live_; }
 
     /// In the order of the menu.
-    [[nodiscard]] QList<QDockWidget*> all() const { return {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, liveDock_, accuracyDock_, historyDock_, issuesDock_}; }
+    [[nodiscard]] QList<QDockWidget*> all() const { return {outlinerDock_, inspectorDock_, effectsDock_, takesDock_, posesDock_, liveDock_, accuracyDock_, historyDock_, issuesDock_}; }
     /// Brings the dock of a panel to the front.
     static void raise(QWidget& panel);
 
@@ -76,8 +78,9 @@ private:
     EffectsPanel* effects_;
     AccuracyPanel* accuracy_;
     TakesPanel* takes_;
+    PosesPanel* poses_;
     LivePanel* live_;
-    QDockWidget *outlinerDock_, *historyDock_, *issuesDock_, *inspectorDock_, *effectsDock_, *accuracyDock_, *takesDock_, *liveDock_;
+    QDockWidget *outlinerDock_, *historyDock_, *issuesDock_, *inspectorDock_, *effectsDock_, *accuracyDock_, *takesDock_, *posesDock_, *liveDock_;
 };
 
 }  // namespace imomushi

@@ -49,7 +49,9 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Character")), {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
+    QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
+    fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
+    fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
     fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));

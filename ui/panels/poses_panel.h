@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QWidget>
+#include <memory>
+
+#include "ui/models/gesture.h"
+#include "ui/models/studio_document.h"
+
+class QLabel;
+class QListWidget;
+class QSlider;
+class QToolButton;
+
+namespace imomushi {
+
+class ActionSet;
+
+/// The kept poses: a double click or Enter poses the character, the slider leads a part of the way there while it is dragged, in one undo step. They are renamed by F2 and
+/// removed by Delete.
+class PosesPanel : public QWidget {
+    Q_OBJECT
+public:
+    /// `actions`: "keep-pose", "mirror-pose", "rest-bones" and "rest-chain" do what they say; the panel shows them as buttons.
+    PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* parent = nullptr);
+    [[nodiscard]] QListWidget* list() const { return list_; }
+    [[nodiscard]] QSlider* blend() const { return blend_; }
+
+protected:
+    void changeEvent(QEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
+private:
+    void follow();
+    void retranslate();
+    void menu(const QPoint& global);
+    [[nodiscard]] QString chosen() const;  ///< empty: none
+    void apply(double share, bool mirrored);
+    void blendTo(int percent);
+    void endBlend(bool keep);
+
+    StudioDocument& document_;
+    QListWidget* list_;
+    QLabel* empty_;
+    QLabel* blendLabel_;
+    QSlider* blend_;
+    std::vector<QToolButton*> buttons_;
+    std::unique_ptr<Gesture> gesture_;  ///< of the blend
+    bool following_ = false;
+};
+
+}  // namespace imomushi
