@@ -253,7 +253,7 @@ KeptPose mirrored(const KeptPose& pose, const Document& document, const Characte
 
 std::set<PartId> withChains(const CharacterPlan& plan, std::set<PartId> bones) {
     const auto& all = plan.input.skeleton.bones;
-    for (std::size_t b = 0; b < all.size(); ++b)
+    for (std::size_t b = 0; b < all.size(); ++b)  // parents come before their children
         if (all[b].parent >= 0 && bones.contains(plan.bones[static_cast<std::size_t>(all[b].parent)])) bones.insert(plan.bones[b]);
     return bones;
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/document/character_input.h"
+#include "core/document/kept_pose.h"
 #include "ui/models/commands.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
@@ -81,11 +82,7 @@ void growSelection(StudioDocument& document) {
 }
 
 void selectChain(StudioDocument& document) {
-    std::set<PartId> bones = bonesSelected(document);
-    const auto& all = document.session().plan();
-    const auto& skeleton = all.input.skeleton.bones;
-    for (std::size_t b = 0; b < skeleton.size(); ++b)  // parents come before their children
-        if (skeleton[b].parent >= 0 && bones.contains(all.bones[std::size_t(skeleton[b].parent)])) bones.insert(all.bones[b]);
+    const std::set<PartId> bones = withChains(document.session().plan(), bonesSelected(document));
     if (!bones.empty()) selectBones(document, bones);
 }
 

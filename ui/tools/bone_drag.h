@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "ui/tools/axis_lock.h"

@@ -85,19 +85,18 @@ bool CutDrag::begin(bool turns, const PointerEvent& e) {
 }
 
 bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
-    auto* taken = &grip;
-    const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, taken->cut, {}, false});
+    const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, grip.cut, {}, false});
     Drag drag;
-    drag.centre = taken->frame.centre;
-    drag.normal = drag.turned = taken->frame.normal;
+    drag.centre = grip.frame.centre;
+    drag.normal = drag.turned = grip.frame.normal;
     drag.sight = e.viewForward;
-    const Vec3 tip = drag.centre + taken->frame.reach * drag.normal;
-    drag.held = taken->turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
+    const Vec3 tip = drag.centre + grip.frame.reach * drag.normal;
+    drag.held = grip.turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
     drag.pressed = {e.x, e.y};
     drag.lastY = e.y;
     drag.modal = modal;
     drag.last = e;
-    drag.grip = std::move(*taken);
+    drag.grip = std::move(grip);
     drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
     drag_ = std::move(drag);
     return true;

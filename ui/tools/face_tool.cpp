@@ -473,13 +473,7 @@ void FaceTool::decorate(render::Scene& scene) const {
     if (face_ && of) {
         if (render::Body* body = bodyOf(scene, *of)) body->highlightedTriangles = &face_->triangles;
         // The rim shows through bodies: regions are also chosen where elements touch.
-        for (std::vector<Vec3>& loop : rimOf(document_.session(), element_, face_->triangles)) {
-            render::Marker rim;
-            rim.shape = render::Marker::Shape::FaceOutline;
-            rim.outline = std::move(loop);
-            rim.hovered = true;
-            scene.markers.push_back(std::move(rim));
-        }
+        addRim(scene, document_.session(), element_, face_->triangles);
     }
     if (!plane_) return;
     render::Marker gizmo;

@@ -112,13 +112,7 @@ QString HandleEdit::hint() const {
 void HandleEdit::decorate(render::Scene& scene) const {
     const auto of = element();
     if (!edit_->face || !of) return;
-    for (std::vector<Vec3>& loop : rimOf(document_.session(), of->id, edit_->face->triangles)) {
-        render::Marker rim;
-        rim.shape = render::Marker::Shape::FaceOutline;
-        rim.outline = std::move(loop);
-        rim.hovered = true;
-        scene.markers.push_back(std::move(rim));
-    }
+    addRim(scene, document_.session(), of->id, edit_->face->triangles);
 }
 
 }  // namespace imomushi

@@ -173,13 +173,7 @@ void HandleTool::decorate(render::Scene& scene) const {
     const Element* of = element();
     if (!face_ || !of) return;
     if (render::Body* body = bodyOf(scene, *of)) body->highlightedTriangles = &face_->triangles;
-    for (std::vector<Vec3>& loop : rimOf(document_.session(), of->id, face_->triangles)) {
-        render::Marker rim;
-        rim.shape = render::Marker::Shape::FaceOutline;
-        rim.outline = std::move(loop);
-        rim.hovered = true;
-        scene.markers.push_back(std::move(rim));
-    }
+    addRim(scene, document_.session(), of->id, face_->triangles);
 }
 
 }  // namespace imomushi

@@ -258,6 +258,16 @@ std::vector<std::vector<Vec3>> rimOf(const Session& session, PartId id, const st
     return loops;
 }
 
+void addRim(render::Scene& scene, const Session& session, PartId element, const std::vector<std::int32_t>& triangles) {
+    for (std::vector<Vec3>& loop : rimOf(session, element, triangles)) {
+        render::Marker rim;
+        rim.shape = render::Marker::Shape::FaceOutline;
+        rim.outline = std::move(loop);
+        rim.hovered = true;
+        scene.markers.push_back(std::move(rim));
+    }
+}
+
 EndpointRef holdingEndpoint(const Session& session, const EndpointRef& end) {
     const int point = session.pointIndex(end);
     if (point < 0) return end;

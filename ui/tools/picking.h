@@ -70,6 +70,8 @@ std::optional<Vec3> facePosition(const Session& session, const FaceRef& face);
 
 /// The rim of a patch of an element as closed polylines, posed.
 std::vector<std::vector<Vec3>> rimOf(const Session& session, PartId element, const std::vector<std::int32_t>& triangles);
+/// Shows it, as what the next click makes.
+void addRim(render::Scene& scene, const Session& session, PartId element, const std::vector<std::int32_t>& triangles);
 
 /// The ends of bones within `pixels` of the pointer, one for each joint point: the nearest first, and of those about as near the one in front. Of several ends at one
 /// joint point it is the one that is held already, then the end (not the start) of the oldest bone.

@@ -332,7 +332,7 @@ void ViewportWidget::keyPressEvent(QKeyEvent* e) {
         tools_.redo();
         return;
     }
-    const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right ;
+    const bool arrow = e->key() == Qt::Key_Up || e->key() == Qt::Key_Down || e->key() == Qt::Key_Left || e->key() == Qt::Key_Right;
     if (!e->isAutoRepeat() || arrow || (tools_.busy() && e->key() == Qt::Key_Backspace)) {
         QElapsedTimer since;
         since.start();
