@@ -22,6 +22,10 @@ void main() {
         float d = min(fromCentre - 0.48 * r, abs(fromCentre - (r - 1.0 * unit)) - 1.0 * unit);
         shape = inside(d);
         rim = inside(d - 1.2 * unit);
+    } else if (pointShape.y > 2.5) {
+        float d = abs(max(abs(at.x), abs(at.y)) - (r - 1.0 * unit)) - 0.9 * unit;
+        shape = inside(d);
+        rim = inside(d - 1.3 * unit);
     } else {
         float d = (abs(at.x) + abs(at.y)) * 0.7071 - 0.72 * r;
         shape = inside(d) * (1.0 - inside(fromCentre - 0.26 * r));

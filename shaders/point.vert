@@ -2,7 +2,7 @@
 #version 330 core
 #include "frame.glsl"
 layout(location = 0) in vec3 centre;
-layout(location = 1) in vec3 shape;   // radius in device pixels; 0 ring, 1 disc in a ring, 2 diamond; how visible it stays behind bodies
+layout(location = 1) in vec3 shape;   // radius in device pixels; 0 ring, 1 disc in a ring, 2 diamond, 3 square ring; how visible it stays behind bodies
 layout(location = 2) in vec4 color;   // linear, straight alpha
 out vec4 pointColor;
 flat out vec3 pointShape;

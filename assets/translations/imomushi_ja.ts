@@ -399,6 +399,38 @@
             <source>Pose &amp;9</source>
             <translation>ポーズ &amp;9</translation>
         </message>
+        <message>
+            <source>&amp;Snap while dragging</source>
+            <translation>ドラッグ中にスナップ(&amp;S)</translation>
+        </message>
+        <message>
+            <source>Snap to the &amp;grid</source>
+            <translation>格子にスナップ(&amp;G)</translation>
+        </message>
+        <message>
+            <source>Snap &amp;angles</source>
+            <translation>角度をスナップ(&amp;A)</translation>
+        </message>
+        <message>
+            <source>Snap to &amp;vertices</source>
+            <translation>頂点にスナップ(&amp;V)</translation>
+        </message>
+        <message>
+            <source>Snap to the s&amp;urface</source>
+            <translation>表面にスナップ(&amp;U)</translation>
+        </message>
+        <message>
+            <source>Snap to the &amp;middle of bodies</source>
+            <translation>体の肉の中心にスナップ(&amp;M)</translation>
+        </message>
+        <message>
+            <source>Snap to ends of &amp;bones</source>
+            <translation>ボーンの端にスナップ(&amp;B)</translation>
+        </message>
+        <message>
+            <source>Steps to snap &amp;to…</source>
+            <translation>スナップの刻み(&amp;T)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1997,8 +2029,8 @@
             <translation>平らな部分をクリック：関節面 · Shift+クリック：平面 · Ctrl：奥の面を見る</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子 · R かホイール：ねじる · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · R かホイール：ねじる · Esc：取り消し</translation>
         </message>
         <message>
             <source>There are no bones and no handles yet. Place them with their tools.</source>
@@ -2093,8 +2125,8 @@
             <translation>平面をドラッグか G：切断面を移動 · 矢印をドラッグ：向き · Delete：削除</translation>
         </message>
         <message>
-            <source>Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel</source>
-            <translation>離す：ここで切る · 数値を入力 · Shift：細かく · Ctrl：軸に合わせる · X、Y、Z：向き · Esc：取り消し</translation>
+            <source>Release: cut here · Type a number · Shift: fine · Ctrl: snap · X, Y, Z: turn · Esc: cancel</source>
+            <translation>離す：ここで切る · 数値を入力 · Shift：細かく · Ctrl：スナップ · X、Y、Z：向き · Esc：取り消し</translation>
         </message>
         <message>
             <source>Esc: cancel</source>
@@ -2224,12 +2256,12 @@
             <translation>ドラッグ：ここで体を引っぱる</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
         </message>
         <message>
-            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel</source>
-            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R かホイール：回す · B：胴を起こしておく · Esc：取り消し</translation>
+            <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk stays upright · Esc: cancel</source>
+            <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · R かホイール：回す · B：胴を起こしておく · Esc：取り消し</translation>
         </message>
         <message>
             <source>Stretched as far as it goes</source>
@@ -2272,12 +2304,12 @@
             <translation>%1 軸に沿う</translation>
         </message>
         <message>
-            <source>Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Esc: cancel</source>
-            <translation>クリックか Enter：確定 · G、R、S：移動、回転、拡大縮小 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Esc：取り消し</translation>
+            <source>Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
+            <translation>クリックか Enter：確定 · G、R、S：移動、回転、拡大縮小 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · Esc：取り消し</translation>
         </message>
         <message>
-            <source>Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: pass by joint faces · Esc: cancel</source>
-            <translation>離す：端をここに置く · X、Y、Z：軸を固定 · 数値を入力 · Ctrl：関節面に吸い付かない · Esc：取り消し</translation>
+            <source>Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: snap, and pass by joint faces · Esc: cancel</source>
+            <translation>離す：端をここに置く · X、Y、Z：軸を固定 · 数値を入力 · Ctrl：スナップし、関節面に吸い付かない · Esc：取り消し</translation>
         </message>
         <message>
             <source>Click: start of a bone · Drag: move this end</source>
@@ -2288,24 +2320,44 @@
             <translation>クリック：ボーンの始点 · G、R、S：選択したボーンを移動、回転、拡大縮小</translation>
         </message>
         <message>
-            <source>Click or Enter: the handle goes here · S: radius · Esc: cancel</source>
-            <translation>クリックか Enter：ハンドルをここに置く · S：半径 · Esc：取り消し</translation>
+            <source>Click or Enter: the handle goes here · S: radius · Ctrl: snap · Esc: cancel</source>
+            <translation>クリックか Enter：ハンドルをここに置く · S：半径 · Ctrl：スナップ · Esc：取り消し</translation>
         </message>
         <message>
-            <source>Click or Enter: keep the radius (%1) · Type a number · G: place · Esc: cancel</source>
-            <translation>クリックか Enter：この半径（%1）にする · 数値を入力 · G：位置 · Esc：取り消し</translation>
+            <source>Click or Enter: keep the radius (%1) · Type a number · G: place · Ctrl: snap · Esc: cancel</source>
+            <translation>クリックか Enter：この半径（%1）にする · 数値を入力 · G：位置 · Ctrl：スナップ · Esc：取り消し</translation>
         </message>
         <message>
-            <source>Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · X, Y, Z: turn · Esc: cancel</source>
-            <translation>クリックか Enter：ここで切る · G、R：移動、回転 · 数値を入力 · Shift：細かく · X、Y、Z：向き · Esc：取り消し</translation>
+            <source>Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · Ctrl: snap · X, Y, Z: turn · Esc: cancel</source>
+            <translation>クリックか Enter：ここで切る · G、R：移動、回転 · 数値を入力 · Shift：細かく · Ctrl：スナップ · X、Y、Z：向き · Esc：取り消し</translation>
         </message>
         <message>
-            <source>Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R: turn · Esc: cancel</source>
-            <translation>クリックか Enter：確定 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：格子に合わせる · R：回す · Esc：取り消し</translation>
+            <source>Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R: turn · Esc: cancel</source>
+            <translation>クリックか Enter：確定 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · R：回す · Esc：取り消し</translation>
         </message>
         <message>
             <source>Drag the end of a bone or a handle · G: move the selected one</source>
             <translation>ボーンの端かハンドルをドラッグ · G：選択したものを動かす</translation>
+        </message>
+        <message>
+            <source>On the grid</source>
+            <translation>格子の上</translation>
+        </message>
+        <message>
+            <source>To a vertex of %1</source>
+            <translation>%1 の頂点へ</translation>
+        </message>
+        <message>
+            <source>To the surface of %1</source>
+            <translation>%1 の表面へ</translation>
+        </message>
+        <message>
+            <source>To the middle of %1</source>
+            <translation>%1 の肉の中心へ</translation>
+        </message>
+        <message>
+            <source>To %1</source>
+            <translation>%1 へ</translation>
         </message>
     </context>
     <context>
@@ -4317,6 +4369,10 @@
         <message>
             <source>Poses</source>
             <translation>ポーズ</translation>
+        </message>
+        <message>
+            <source>S&amp;nap</source>
+            <translation>スナップ(&amp;N)</translation>
         </message>
     </context>
     <context>
@@ -6847,6 +6903,29 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Drag: the character goes that far to the chosen pose</source>
             <translation>ドラッグ：選んだポーズにその割合だけ近づきます</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::SnapDialog</name>
+        <message>
+            <source>Steps to snap to</source>
+            <translation>スナップの刻み</translation>
+        </message>
+        <message>
+            <source>Grid</source>
+            <translation>格子</translation>
+        </message>
+        <message>
+            <source>Angle</source>
+            <translation>角度</translation>
+        </message>
+        <message>
+            <source>0 m: as fine as the view shows, in powers of ten.</source>
+            <translation>0 m：見えている細かさに合わせます（10 の累乗）。</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
         </message>
     </context>
 </TS>

@@ -161,6 +161,9 @@ void MarkerGeometry::build(const Scene& scene, int height) {
             case Marker::Shape::PinnedPoint:
                 points.push_back({m.from.cast<float>(), Vector3f(kHandleRadius * grow * unit, 2.0f, kPointBehind), with(colored(purple), 1.0f)});
                 break;
+            case Marker::Shape::SnapMark:
+                points.push_back({m.from.cast<float>(), Vector3f(kHandleRadius * unit, 3.0f, kGizmoBehind), with(selectionColor(), 1.0f)});
+                break;
             case Marker::Shape::FaceOutline:
                 if (m.outline.size() > 1)
                     addPolyline(m.outline, true, with(colored(sky), 1.0f), Vector3f(kOutlineHalfWidth * grow * unit, kGlow * grow * unit, kOutlineBehind), lines);
@@ -251,6 +254,7 @@ int pickMarker(const Scene& scene, int width, int height, double x, double y, do
                 if (screen.at(m.from, p) && (p - q).norm() <= radius) offer(i, 0, (p - q).norm(), m.from);
                 break;
             }
+            case Marker::Shape::SnapMark: break;
             case Marker::Shape::Axis: {
                 const double d = segmentDistance(screen, m.from, m.to, q, t);
                 if (d <= 1.3 * unit + reach) offer(i, 1, d, m.from + t * (m.to - m.from));

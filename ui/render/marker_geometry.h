@@ -23,7 +23,7 @@ struct LineSegment {
 
 struct PointSprite {
     Eigen::Vector3f centre;
-    Eigen::Vector3f shape;  ///< radius in device pixels; 0 ring, 1 disc in a ring, 2 diamond; how visible it stays behind bodies
+    Eigen::Vector3f shape;  ///< radius in device pixels; 0 ring, 1 disc in a ring, 2 diamond, 3 square ring; how visible it stays behind bodies
     Eigen::Vector4f color;
 };
 

@@ -48,11 +48,12 @@ struct Seam {
 /// Overlay primitives, drawn over the bodies, dimmer where a body hides them. Lines and points keep their size in pixels.
 ///   Bone         tapered octahedron from `from` to `to`
 ///   JointPoint   ring at `from`; HeldPoint: disc in a ring; PinnedPoint: diamond
+///   SnapMark     square ring at `from`: what is dragged goes there
 ///   FaceOutline  glowing closed polyline `outline` (the last point joins the first), with a translucent disc in it if it is `filled`
 ///   PlaneGizmo   translucent square around `from`, half as wide as `to` is away, with an arrow along its normal to `to`
 ///   Axis         arrow from `from` to `to`, in the colour of the world axis nearest to its direction
 struct Marker {
-    enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, FaceOutline, PlaneGizmo, Axis } shape = Shape::JointPoint;
+    enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, SnapMark, FaceOutline, PlaneGizmo, Axis } shape = Shape::JointPoint;
     std::uint64_t id = 0;            ///< what pick() answers; 0: not picked
     Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< m, world, finite
     std::vector<Vec3> outline;       ///< FaceOutline only; m, world, finite

@@ -61,6 +61,11 @@ bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e
     drag.first = drag.last = e;
     drag.modal = modal;
     drag_ = std::move(drag);
+    snap_.begin({[this](const EndpointRef& end) {
+                     const int index = document_.session().pointIndex(end);
+                     return drag_ && std::any_of(drag_->points.begin(), drag_->points.end(), [&](const Point& p) { return p.index == index; });
+                 },
+                 {}});
     choose(does);
     return true;
 }
@@ -95,10 +100,11 @@ void BoneDrag::choose(Does does) {
     drag.first = drag.last;
     const Vec3 plane = drag.lock.plane(drag.last);
     drag.grip = drag.last.onPlane(drag.pivot, plane, drag.pivot);
+    settle();
 }
 
 bool BoneDrag::seeksPlace() const {
-    return drag_ && drag_->does == Does::Moves && drag_->points.size() == 1 && drag_->lock.free() && !drag_->typed.leads() && !(drag_->last.modifiers & Qt::ControlModifier);
+    return drag_ && drag_->does == Does::Moves && drag_->points.size() == 1 && drag_->lock.free() && !drag_->typed.leads() && !snap_.settings().on && !snap_.acts(drag_->last);
 }
 
 void BoneDrag::move(const PointerEvent& e, const std::optional<Place>& near) {
@@ -107,6 +113,12 @@ void BoneDrag::move(const PointerEvent& e, const std::optional<Place>& near) {
     if (!drag.moved && !drag.modal && std::hypot(e.x - drag.first.x, e.y - drag.first.y) < kDragPixels) return;
     drag.moved = true;
     drag.near = seeksPlace() ? near : std::nullopt;
+    follow(before, e);
+    settle();
+}
+
+void BoneDrag::follow(const PointerEvent& before, const PointerEvent& e) {
+    Drag& drag = *drag_;
     if (drag.does == Does::Moves) {
         const Vec3 plane = drag.lock.plane(e);
         if (plane.norm() < 0.5) return;
@@ -142,13 +154,21 @@ TypedNumber::Of BoneDrag::of() const {
 
 std::string BoneDrag::axes() const { return drag_->does == Does::Moves ? drag_->lock.axes() : std::string(); }
 
-std::array<double, 3> BoneDrag::pointed() const {
-    switch (drag_->does) {
-        case Does::Turns: return {drag_->angle, 0.0, 0.0};
-        case Does::Scales: return {drag_->factor, 0.0, 0.0};
-        case Does::Moves: break;
+void BoneDrag::settle() {
+    Drag& drag = *drag_;
+    PointerEvent e = drag.last;
+    e.bonesVisible = true;
+    const bool snaps = drag.does == Does::Moves && drag.moved && !drag.typed.leads();
+    if (!snaps) snap_.clear();
+    switch (drag.does) {
+        case Does::Turns: drag.goes = {snap_.angle(e, drag.angle), 0.0, 0.0}; break;
+        case Does::Scales: drag.goes = {snap_.factor(e, drag.factor), 0.0, 0.0}; break;
+        case Does::Moves: {
+            const Vec3 to = snaps ? Vec3(snap_.point(e, drag.pivot + drag.step, !drag.lock.free())) : Vec3(drag.pivot + drag.step);
+            drag.goes = drag.lock.toAxes(to - drag.pivot);
+            break;
+        }
     }
-    return drag_->lock.toAxes(drag_->step);
 }
 
 Vec3 BoneDrag::placed(const Point& point) const {
@@ -200,11 +220,13 @@ bool BoneDrag::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
         keep();
     } else if (drag.typed.key(key, text, of(), axes())) {
         drag.moved = true;
+        settle();
     } else if (drag.lock.key(key, modifiers)) {
         drag.step = drag.lock.confined(drag.step);
         drag.grip = drag.last.onPlane(drag.pivot + drag.step, drag.lock.plane(drag.last), drag.pivot + drag.step);
         drag.near.reset();
         if (drag.does == Does::Moves) drag.typed.setAxes(axes());
+        settle();
     } else if (key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S) {
         // One end alone has nothing to turn or to scale.
         if (key == Qt::Key_G || drag.points.size() > 1) choose(key == Qt::Key_G ? Does::Moves : key == Qt::Key_R ? Does::Turns : Does::Scales);
@@ -219,8 +241,8 @@ QString BoneDrag::banner() const {
 }
 
 QString BoneDrag::hint() const {
-    return drag_->modal ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Esc: cancel")
-                        : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: pass by joint faces · Esc: cancel");
+    return snap_.before(drag_->modal ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
+                                     : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: snap, and pass by joint faces · Esc: cancel"));
 }
 
 void BoneDrag::decorate(render::Scene& scene) const {
@@ -251,6 +273,7 @@ void BoneDrag::decorate(render::Scene& scene) const {
         if (allFinite(marker.from)) scene.markers.push_back(std::move(marker));
     }
     drag_->lock.decorate(scene, drag_->pivot);
+    snap_.decorate(scene);
 }
 
 }  // namespace imomushi

@@ -6,17 +6,19 @@
 
 #include "ui/tools/axis_lock.h"
 #include "ui/tools/picking.h"
+#include "ui/tools/snap.h"
 #include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
 /// Moves, turns and scales ends of bones at rest: one that is dragged, or what is selected, without a button. Where the pointer or a typed number leads is shown; the bones
-/// themselves change at the end, in one undo step. An end that is moved alone goes to joint faces and other ends near to the pointer.
+/// themselves change at the end, in one undo step. An end that is moved alone and snaps to nothing is hung on joint faces and other ends near to the pointer.
 class BoneDrag {
 public:
     enum class Does { Moves, Turns, Scales };
 
-    explicit BoneDrag(StudioDocument& document) : document_(document) {}
+    explicit BoneDrag(StudioDocument& document) : document_(document), snap_(document) {}
+    void setSnap(const SnapSettings& settings) { snap_.set(settings); }
     /// The end was pressed.
     bool press(const EndpointRef& end, const PointerEvent& e);
     /// Takes what is selected; the pointer leads without a button. False: no bones are selected.
@@ -60,18 +62,23 @@ private:
         Vec3 grip = Vec3::Zero();    ///< under the pointer at the last move, m
         double angle = 0.0;          ///< radians
         double factor = 1.0;
+        std::array<double, 3> goes{};  ///< what the pointer says, snapped: see pointed()
         std::optional<Place> near;
     };
     [[nodiscard]] std::optional<Point> pointOf(const EndpointRef& end) const;
     bool start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal);
     void choose(Does does);
+    void follow(const PointerEvent& before, const PointerEvent& e);
     [[nodiscard]] TypedNumber::Of of() const;
     [[nodiscard]] std::string axes() const;
-    [[nodiscard]] std::array<double, 3> pointed() const;
+    /// Snaps what the pointer says.
+    void settle();
+    [[nodiscard]] std::array<double, 3> pointed() const { return drag_->goes; }
     [[nodiscard]] Vec3 turningAxis() const;
     [[nodiscard]] Vec3 placed(const Point& point) const;  ///< as shown
 
     StudioDocument& document_;
+    Snap snap_;
     std::optional<Drag> drag_;
 };
 

@@ -16,6 +16,7 @@ namespace imomushi {
 class BoneTool : public Tool {
 public:
     explicit BoneTool(StudioDocument& document) : Tool(document), drag_(document) {}
+    void setOptions(const ToolOptions& options) override { drag_.setSnap(options.snap); }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;

@@ -14,7 +14,7 @@
 namespace imomushi {
 namespace {
 
-/// With Ctrl, normals this near to an axis of the world are that axis.
+/// Where angles snap, normals this near to an axis of the world are that axis.
 constexpr double kSnapCosine = 0.94;  // 20 degrees
 /// Squared sine of the angle between the view and the normal: below it (6 degrees) the pointer goes up and down for the plane to come nearer or go away.
 constexpr double kAlong = 0.01;
@@ -88,7 +88,7 @@ bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
     const auto& character = *characterOf(document_.document(), {SelectionItem::Kind::Cut, grip.cut, {}, false});
     Drag drag;
     drag.centre = grip.frame.centre;
-    drag.normal = drag.turned = grip.frame.normal;
+    drag.normal = drag.turned = drag.faced = grip.frame.normal;
     drag.sight = e.viewForward;
     const Vec3 tip = drag.centre + grip.frame.reach * drag.normal;
     drag.held = grip.turns ? e.onPlane(tip, e.viewForward, tip) : Vec3(drag.centre + alongLine(e, drag.centre, drag.normal).value_or(0.0) * drag.normal);
@@ -99,6 +99,7 @@ bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
     drag.grip = std::move(grip);
     drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
     drag_ = std::move(drag);
+    snap_.begin();
     return true;
 }
 
@@ -115,9 +116,6 @@ void CutDrag::move(const PointerEvent& e) {
         drag.held = under;
         drag.sight = e.viewForward;
         if ((tip - frame.centre).norm() > 1e-3 * frame.reach) drag.turned = (tip - frame.centre).normalized();
-        if (e.modifiers & Qt::ControlModifier)
-            for (int axis = 0; axis < 3; ++axis)
-                if (std::abs(drag.turned[axis]) > kSnapCosine) drag.turned = std::copysign(1.0, drag.turned[axis]) * Vec3::Unit(axis);
     } else if (const auto along = alongLine(e, frame.centre, frame.normal); !along) {
         drag.along += e.pace() * (e.y - drag.lastY) * e.pixelAt(frame.centre) * (frame.normal.dot(e.viewForward) < 0.0 ? 1.0 : -1.0);
     } else {
@@ -125,22 +123,48 @@ void CutDrag::move(const PointerEvent& e) {
         drag.held = frame.centre + *along * frame.normal;
     }
     drag.lastY = e.y;
+    settle();
     place();
+}
+
+void CutDrag::settle() {
+    Drag& drag = *drag_;
+    const CutFrame& frame = drag.grip.frame;
+    drag.slid = drag.along;
+    drag.faced = drag.turned;
+    if (drag.typed.leads() || !snap_.acts(drag.last) || drag.grip.turns) snap_.clear();
+    if (drag.typed.leads() || !snap_.acts(drag.last)) return;
+    if (!drag.grip.turns) {
+        // Through the place under the pointer; on the grid as far from the origin as steps are.
+        snap_.point(drag.last, frame.centre + drag.along * frame.normal, true);
+        const double from = frame.centre.dot(frame.normal);
+        if (snap_.place() && snap_.place()->kind != Snap::Place::Kind::Grid)
+            drag.slid = snap_.place()->at.dot(frame.normal) - from;
+        else
+            drag.slid = snap_.length(drag.last, from + drag.along, drag.last.pixelAt(frame.centre)) - from;
+        if (snap_.place() && snap_.place()->kind == Snap::Place::Kind::Grid) snap_.clear();
+        return;
+    }
+    if (!snap_.settings().angle) return;
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::abs(drag.turned[axis]) > kSnapCosine) return void(drag.faced = std::copysign(1.0, drag.turned[axis]) * Vec3::Unit(axis));
+    const Vec3 about = frame.normal.cross(drag.turned);
+    if (about.norm() > 1e-9) drag.faced = Eigen::AngleAxisd(snap_.angle(drag.last, std::atan2(about.norm(), frame.normal.dot(drag.turned))), about.normalized()) * frame.normal;
 }
 
 double CutDrag::pointed() const {
     const Drag& drag = *drag_;
-    if (!drag.grip.turns) return drag.along;
+    if (!drag.grip.turns) return drag.slid;
     // As the turn is seen.
     const Vec3 from = drag.grip.frame.normal;
-    return std::atan2(drag.sight.dot(from.cross(drag.turned)), from.dot(drag.turned));
+    return std::atan2(drag.sight.dot(from.cross(drag.faced)), from.dot(drag.faced));
 }
 
 void CutDrag::place() {
     Drag& drag = *drag_;
     const CutFrame& frame = drag.grip.frame;
     const double by = drag.typed.value(pointed());
-    drag.normal = drag.turned;
+    drag.normal = drag.faced;
     if (!drag.grip.turns)
         drag.centre = frame.centre + by * frame.normal;
     else if (drag.typed.leads())
@@ -196,10 +220,12 @@ bool CutDrag::key(int key, const QString& text) {
     if (drag_->modal && (key == Qt::Key_G || key == Qt::Key_R)) return begin(key == Qt::Key_R, PointerEvent(drag_->last));
     if (key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z) {
         const Vec3 axis = Vec3::Unit(key - Qt::Key_X);
-        drag_->turned = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
+        drag_->turned = drag_->faced = axis.dot(drag_->normal) < 0.0 ? Vec3(-axis) : axis;
         if (drag_->grip.turns) drag_->typed.clear();
     } else if (!drag_->typed.key(key, text, drag_->grip.turns ? TypedNumber::Of::Angle : TypedNumber::Of::Length, {})) {
         return false;
+    } else {
+        settle();
     }
     drag_->moved = true;
     place();
@@ -210,8 +236,8 @@ QString CutDrag::banner() const { return drag_ ? drag_->typed.shown({pointed(), 
 
 QString CutDrag::hint() const {
     if (!drag_) return ToolTexts::tr("Drag the plane or G: move the cut · Drag its arrow: turn · Delete: remove");
-    const QString keys = drag_->modal ? ToolTexts::tr("Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · X, Y, Z: turn · Esc: cancel") : ToolTexts::tr("Release: cut here · Type a number · Shift: fine · Ctrl: axes · X, Y, Z: turn · Esc: cancel");
-    return drag_->refusal.isEmpty() ? keys : drag_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
+    const QString keys = drag_->modal ? ToolTexts::tr("Click or Enter: cut here · G, R: move, turn · Type a number · Shift: fine · Ctrl: snap · X, Y, Z: turn · Esc: cancel") : ToolTexts::tr("Release: cut here · Type a number · Shift: fine · Ctrl: snap · X, Y, Z: turn · Esc: cancel");
+    return drag_->refusal.isEmpty() ? snap_.before(keys) : drag_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
 }
 
 void CutDrag::decorate(render::Scene& scene) const {
@@ -222,6 +248,7 @@ void CutDrag::decorate(render::Scene& scene) const {
     plane.to = drag_->centre + drag_->grip.frame.reach * drag_->normal;
     plane.hovered = true;
     scene.markers.push_back(std::move(plane));
+    snap_.decorate(scene);
     for (const auto& loop : drag_->outline) {
         render::Marker rim;
         rim.shape = render::Marker::Shape::FaceOutline;

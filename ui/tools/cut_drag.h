@@ -6,6 +6,7 @@
 
 #include "ui/scene/cut_frame.h"
 #include "ui/tools/cut_preview.h"
+#include "ui/tools/snap.h"
 #include "ui/tools/tool.h"
 #include "ui/tools/typed_number.h"
 
@@ -15,7 +16,8 @@ namespace imomushi {
 /// button is let go, in one undo step.
 class CutDrag {
 public:
-    explicit CutDrag(StudioDocument& document) : document_(document) {}
+    explicit CutDrag(StudioDocument& document) : document_(document), snap_(document) {}
+    void setSnap(const SnapSettings& settings) { snap_.set(settings); }
     /// True: it took hold of the plane of the selected cut.
     bool press(const PointerEvent& e);
     /// Takes the selected cut, and the pointer leads it without a button, until a press or Enter. False: none is selected.
@@ -49,7 +51,9 @@ private:
         Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
         double lastY = 0.0;                                  ///< of the pointer, pixels of the design
         double along = 0.0;                                  ///< that the plane was moved, m
+        double slid = 0.0;                                   ///< the same, snapped
         Vec3 turned = Vec3::UnitX();                         ///< the normal that the pointer says
+        Vec3 faced = Vec3::UnitX();                          ///< the same, snapped
         Vec3 sight = -Vec3::UnitZ();                         ///< unit, about which a typed angle turns
         TypedNumber typed = {};
         bool moved = false, modal = false;
@@ -63,11 +67,13 @@ private:
     /// Puts the plane where the pointer or the typed number says.
     void place();
     void preview();
+    void settle();
     [[nodiscard]] double pointed() const;
     [[nodiscard]] std::optional<Grip> chosen() const;  ///< the selected cut
     bool take(Grip grip, const PointerEvent& e, bool modal);
 
     StudioDocument& document_;
+    Snap snap_;
     std::optional<Drag> drag_;
 };
 

@@ -17,6 +17,13 @@ namespace {
 /// Nearer to the middle than this, logical pixels, the pointer does not scale.
 constexpr double kLeastReach = 4.0;
 
+/// A vertex, of an element or of the render mesh of a character, at rest.
+std::optional<Vec3> vertexAtRest(const Document& document, const Snap::Place& vertex) {
+    if (const auto element = document.elements.find(vertex.of); element != document.elements.end()) return Vec3(element->second->mesh->body.vertices.row(vertex.index));
+    if (const auto character = document.characters.find(vertex.of); character != document.characters.end()) return Vec3(character->second->model->mesh.body.vertices.row(vertex.index));
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::shared_ptr<const Element> HandleEdit::element() const {
@@ -39,6 +46,7 @@ bool HandleEdit::begin(Does does, const PointerEvent& e) {
     edit.seen = pose->at;
     edit.last = e;
     edit_ = std::move(edit);
+    snap_.begin();
     return true;
 }
 
@@ -46,7 +54,7 @@ double HandleEdit::radius() const {
     if (edit_->does == Does::Moves) return edit_->radius;
     const auto of = element();
     const double most = of ? kLargestHandleRadius * diagonalOf(of->mesh->body.vertices) : edit_->radius;
-    return std::clamp(edit_->typed.value(edit_->factor) * edit_->radius, 0.0, most);
+    return std::clamp(edit_->typed.value(edit_->goes) * edit_->radius, 0.0, most);
 }
 
 void HandleEdit::preview() {
@@ -68,6 +76,11 @@ void HandleEdit::move(const PointerEvent& e) {
         const auto hit = surfaceUnder(document_.session(), e);
         if (!hit || hit->element != edit_->handle.element) return;  // it stays where it was last
         edit_->point = hit->rest;
+        // Only a vertex is a place of the surface.
+        snap_.point(e, hit->point, true);
+        if (snap_.place() && snap_.place()->kind != Snap::Place::Kind::Vertex) snap_.clear();
+        if (snap_.place())
+            if (const auto rest = vertexAtRest(document_.document(), *snap_.place())) edit_->point = *rest;
         return preview();
     }
     const auto middle = e.onScreen(edit_->seen);
@@ -75,6 +88,9 @@ void HandleEdit::move(const PointerEvent& e) {
     const double from = (Eigen::Vector2d(before.x, before.y) - *middle).norm(), to = (Eigen::Vector2d(e.x, e.y) - *middle).norm();
     if (from < kLeastReach || to < kLeastReach) return;
     edit_->factor *= std::pow(to / from, e.pace());
+    // The radius is in steps of the grid.
+    const double wide = snap_.length(e, edit_->factor * edit_->radius, e.pixelAt(edit_->seen));
+    edit_->goes = wide > 0.0 && edit_->radius > 0.0 ? wide / edit_->radius : edit_->factor;
     preview();
 }
 
@@ -101,18 +117,19 @@ bool HandleEdit::key(int key, const QString& text) {
     return true;
 }
 
-QString HandleEdit::banner() const { return edit_ ? edit_->typed.shown({edit_->factor, 0.0, 0.0}) : QString(); }
+QString HandleEdit::banner() const { return edit_ ? edit_->typed.shown({edit_->goes, 0.0, 0.0}) : QString(); }
 
 QString HandleEdit::hint() const {
     if (!edit_->refusal.isEmpty()) return edit_->refusal + QStringLiteral(" · ") + ToolTexts::tr("Esc: cancel");
-    if (edit_->does == Does::Moves) return ToolTexts::tr("Click or Enter: the handle goes here · S: radius · Esc: cancel");
-    return ToolTexts::tr("Click or Enter: keep the radius (%1) · Type a number · G: place · Esc: cancel").arg(lengthText(radius()));
+    if (edit_->does == Does::Moves) return snap_.before(ToolTexts::tr("Click or Enter: the handle goes here · S: radius · Ctrl: snap · Esc: cancel"));
+    return ToolTexts::tr("Click or Enter: keep the radius (%1) · Type a number · G: place · Ctrl: snap · Esc: cancel").arg(lengthText(radius()));
 }
 
 void HandleEdit::decorate(render::Scene& scene) const {
     const auto of = element();
     if (!edit_->face || !of) return;
     addRim(scene, document_.session(), of->id, edit_->face->triangles);
+    snap_.decorate(scene);
 }
 
 }  // namespace imomushi

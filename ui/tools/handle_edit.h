@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "ui/tools/picking.h"
+#include "ui/tools/snap.h"
 #include "ui/tools/typed_number.h"
 
 namespace imomushi {
@@ -14,7 +15,8 @@ class HandleEdit {
 public:
     enum class Does { Moves, Scales };
 
-    explicit HandleEdit(StudioDocument& document) : document_(document) {}
+    explicit HandleEdit(StudioDocument& document) : document_(document), snap_(document) {}
+    void setSnap(const SnapSettings& settings) { snap_.set(settings); }
     /// False: no handle is selected alone.
     bool begin(Does does, const PointerEvent& e);
     void move(const PointerEvent& e);
@@ -35,6 +37,7 @@ private:
         Vec3 seen = Vec3::Zero();    ///< the middle as it is shown, m
         double radius = 0.0;         ///< as it is, m
         double factor = 1.0;         ///< that the pointer says
+        double goes = 1.0;           ///< the same, snapped
         PointerEvent last;
         TypedNumber typed;
         std::optional<JointFace> face;  ///< as it would be; none: `refusal` says why
@@ -46,6 +49,7 @@ private:
     void preview();
 
     StudioDocument& document_;
+    Snap snap_;
     std::optional<Edit> edit_;
 };
 

@@ -16,6 +16,10 @@ namespace imomushi {
 class HandleTool : public Tool {
 public:
     explicit HandleTool(StudioDocument& document) : Tool(document), pose_(document), edit_(document) {}
+    void setOptions(const ToolOptions& options) override {
+        pose_.setOptions({{}, options.snap});
+        edit_.setSnap(options.snap);
+    }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override { pose_.release(e); }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <set>
 
 #include "core/base/finite.h"
 #include "core/commands/handle_commands.h"
@@ -20,8 +22,6 @@ namespace {
 
 constexpr double kRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;
 constexpr double kRadiansPerNotch = 5.0 * std::numbers::pi / 180.0;
-/// The snapping grid is the power of ten (in metres) that is at least this many pixels wide.
-constexpr double kSnapPixels = 12.0;
 /// A passing handle is as large as others are at first, or this many times halved where something is in its way.
 constexpr int kHalvings = 3;
 
@@ -141,6 +141,42 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     }
     drag_ = std::move(drag);
     last_ = e;
+    snap_.begin(moving());
+}
+
+Snap::Moving PoseTool::moving() const {
+    const Session& session = document_.session();
+    const Document& d = document_.document();
+    // Bones that share a joint point, or run through one element, hang together; elements that are joined, or pieces of one character, too.
+    auto bones = std::make_shared<std::set<PartId>>();
+    auto elements = std::make_shared<std::set<PartId>>();
+    const auto together = [&](PartId a, PartId b) {
+        const auto of = d.elements.find(a), other = d.elements.find(b);
+        return of != d.elements.end() && other != d.elements.end() && of->second->piece && other->second->piece && of->second->piece->character == other->second->piece->character;
+    };
+    if (drag_->end.isHandle()) elements->insert(drag_->end.handle.element);
+    else bones->insert(drag_->end.end.bone);
+    for (bool grows = true; grows;) {
+        const std::size_t before = bones->size() + elements->size();
+        std::set<int> points;
+        for (const auto& [id, bone] : d.bones) {
+            if (!bones->contains(id)) continue;
+            points.insert({session.pointIndex({id, false}), session.pointIndex({id, true})});
+            if (bone->element) elements->insert(bone->element);
+        }
+        points.erase(-1);
+        for (const auto& [id, bone] : d.bones)
+            if (points.contains(session.pointIndex({id, false})) || points.contains(session.pointIndex({id, true})) || elements->contains(bone->element)) bones->insert(id);
+        for (const auto& [id, joint] : d.joints) {
+            const bool any = std::any_of(joint->faces.begin(), joint->faces.end(), [&](const FaceRef& face) { return elements->contains(face.element); });
+            if (any)
+                for (const FaceRef& face : joint->faces) elements->insert(face.element);
+        }
+        for (const auto& [id, element] : d.elements)
+            if (std::any_of(elements->begin(), elements->end(), [&, one = id](PartId other) { return together(one, other); })) elements->insert(id);
+        grows = bones->size() + elements->size() > before;
+    }
+    return {[this, bones](const EndpointRef& end) { return bones->contains(end.bone) && !isPinned(document_.document(), {end, {}}); }, [elements](PartId element) { return elements->contains(element); }};
 }
 
 void PoseTool::move(const PointerEvent& e) {
@@ -214,11 +250,20 @@ double PoseTool::turned() const {
     return 2.0 * std::atan2(by.vec().dot(turningAxis()), by.w());
 }
 
-PoseTool::Aim PoseTool::aim(const PointerEvent& e) const {
+PoseTool::Aim PoseTool::aim(const PointerEvent& e) {
     const Drag& drag = *drag_;
     Aim aim{drag.target, drag.roll, drag.rotation};
+    const bool turns = drag.typed.leads() && drag.typed.of() == TypedNumber::Of::Angle;
+    if (!turns && snap_.acts(e) && snap_.settings().angle) {
+        const Eigen::AngleAxisd by(drag.rotation * drag.fromRotation.conjugate());
+        if (drag.end.isHandle() && by.angle() > 1e-9)
+            aim.rotation = (Eigen::AngleAxisd(snap_.angle(e, by.angle()), by.axis()) * drag.fromRotation).normalized();
+        else if (drag.roll && *drag.roll != drag.fromRoll)
+            aim.roll = drag.fromRoll + snap_.angle(e, *drag.roll - drag.fromRoll);
+    }
     if (drag.typed.leads()) {
         if (drag.typed.of() == TypedNumber::Of::Length) {
+            snap_.clear();
             aim.to = drag.origin + drag.lock.fromAxes(drag.typed.values(drag.lock.toAxes(drag.target - drag.origin)));
             return aim;
         }
@@ -228,11 +273,7 @@ PoseTool::Aim PoseTool::aim(const PointerEvent& e) const {
         else
             aim.roll = drag.fromRoll + by;
     }
-    if (e.modifiers & Qt::ControlModifier) {
-        const double grid = std::pow(10.0, std::ceil(std::log10(kSnapPixels * e.pixelAt(drag.target))));
-        for (int k = 0; k < 3; ++k)
-            if (drag.lock.moves(k)) aim.to[k] = grid * std::round(aim.to[k] / grid);
-    }
+    aim.to = drag.origin + drag.lock.confined(snap_.point(e, drag.target, !drag.lock.free()) - drag.origin);
     return aim;
 }
 
@@ -430,11 +471,11 @@ QString PoseTool::hint() const {
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
                                     : ToolTexts::tr("Temporary handle · K: keep · X, Y, Z: lock axis · R or wheel: turn · Esc: cancel");
-    if (modal()) return ToolTexts::tr("Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R: turn · Esc: cancel");
-    if (drag_ && drag_->end.isHandle()) return ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · Esc: cancel");
+    if (modal()) return snap_.before(ToolTexts::tr("Click or Enter: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R: turn · Esc: cancel"));
+    if (drag_ && drag_->end.isHandle()) return snap_.before(ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · Esc: cancel"));
     if (drag_)
-        return document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
-                                                               : ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: grid · R or wheel: turn · B: the trunk stays upright · Esc: cancel");
+        return snap_.before(document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
+                                                               : ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk stays upright · Esc: cancel"));
     const Document& d = document_.document();
     if (letGo_) return ToolTexts::tr("K: bring the temporary handle back and keep it");
     if (overFlesh_) return ToolTexts::tr("Drag: pull the body here");
@@ -447,7 +488,9 @@ QString PoseTool::hint() const {
 
 void PoseTool::decorate(render::Scene& scene) const {
     part_.decorate(scene);
-    if (drag_) drag_->lock.decorate(scene, drag_->origin);
+    if (!drag_) return;
+    drag_->lock.decorate(scene, drag_->origin);
+    snap_.decorate(scene);
 }
 
 }  // namespace imomushi

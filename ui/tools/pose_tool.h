@@ -7,19 +7,23 @@
 #include "ui/tools/axis_lock.h"
 #include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
+#include "ui/tools/snap.h"
 #include "ui/tools/tool.h"
 #include "ui/tools/typed_number.h"
 
 namespace imomushi {
 
-/// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z, or across them; typed numbers lead in its place; Shift fine, Ctrl on the grid; R or Alt (or the wheel) turns
+/// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z, or across them; typed numbers lead in its place; Shift fine, Ctrl snaps or not; R or Alt (or the wheel) turns
 /// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go; B has the trunk follow from the first, or not. Flesh
 /// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
 /// Attached parts are turned about their pivots.
 class PoseTool : public Tool {
 public:
-    explicit PoseTool(StudioDocument& document) : Tool(document), part_(document) {}
-    void setOptions(const ToolOptions& options) override { options_ = options; }
+    explicit PoseTool(StudioDocument& document) : Tool(document), part_(document), snap_(document) {}
+    void setOptions(const ToolOptions& options) override {
+        options_ = options;
+        snap_.set(options.snap);
+    }
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
@@ -98,7 +102,7 @@ private:
     /// Begins a drag as if the grip had been pressed.
     void take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e);
     /// As the pointer and what is typed say; `last`: of the pointer.
-    [[nodiscard]] Aim aim(const PointerEvent& last) const;
+    [[nodiscard]] Aim aim(const PointerEvent& last);
     /// How far the pointer turned it, radians, about the axis that a typed angle is of.
     [[nodiscard]] double turned() const;
     [[nodiscard]] Vec3 turningAxis() const;
@@ -119,7 +123,11 @@ private:
     /// The trunk stays upright until the limb needs it, or leans with the limb from the first.
     void toggleFollowing();
 
+    /// What moves with the end or handle that is dragged, or may: the bodies and bones that hang together with it.
+    [[nodiscard]] Snap::Moving moving() const;
+
     PartDrag part_;
+    Snap snap_;
     ToolOptions options_;
     std::optional<PoseGrip> hovered_;
     bool overFlesh_ = false;            ///< a press here makes a passing handle

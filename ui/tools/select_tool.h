@@ -13,6 +13,10 @@ namespace imomushi {
 class SelectTool : public Tool {
 public:
     explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document) {}
+    void setOptions(const ToolOptions& options) override {
+        pose_.setOptions({{}, options.snap});
+        cut_.setSnap(options.snap);
+    }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;

@@ -11,10 +11,20 @@ struct Element;
 /// (ToolHost::propose()).
 enum class ToolKind { Select, Face, Bone, Handle, Pose, Touch, Proposal };
 
+/// Where drags go to.
+struct SnapSettings {
+    bool on = false;  ///< Ctrl turns it round while something is dragged
+    bool grid = true, angle = true, vertices = false, surface = false, middle = false, ends = false;
+    double step = 0.0;                            ///< of the grid, m; 0: as fine as it is seen
+    double angleStep = 3.14159265358979 / 12.0;   ///< radians
+    bool operator==(const SnapSettings&) const = default;
+};
+
 /// What an artist chose for tools.
 struct ToolOptions {
     /// Flesh of these elements that is dragged gets a passing handle there: they are soft within a moment. The nearest bone or handle moves that of others. Empty: of all.
-    std::function<bool(const Element&)> passingHandles;
+    std::function<bool(const Element&)> passingHandles = {};
+    SnapSettings snap = {};
 };
 
 }  // namespace imomushi

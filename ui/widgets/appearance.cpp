@@ -115,6 +115,9 @@ QToolButton:hover { background: @hover; }
 QToolButton:pressed { background: @field; }
 QToolButton:checked { background: @tint; }
 QToolButton:focus { border: 1px solid @accent; padding: 6px; }
+QToolButton::menu-button { background: transparent; border: none; border-radius: 4px; width: 12px; }
+QToolButton::menu-button:hover { background: @hover; }
+QToolButton::menu-arrow { image: url(@down-icon); width: 10px; height: 10px; }
 QToolButton[small="true"] { padding: 3px; border-radius: 5px; }
 QToolButton[small="true"]:focus { padding: 2px; }
 QToolButton[link="true"] { color: @muted; padding: 3px 8px; border-radius: 5px; }

@@ -126,7 +126,6 @@ private:
     void sayHint();
     void settle();
     void setTool(ToolKind tool);
-    void setPassingHandles(bool on);
     void startPrecompute();
     /// Asks how the character that is meant would be made soft, and shows it in the view.
     void propose();

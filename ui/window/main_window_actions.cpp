@@ -27,6 +27,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/window/action_states.h"
 #include "ui/window/command_search.h"
+#include "ui/window/drag_options.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
 #include "ui/window/message_bar.h"
@@ -148,15 +149,8 @@ void MainWindow::connectEditActions() {
     precompute_->drafts().setEnabled(QSettings().value(softAtOnce, true).toBool());
     (*actions_)["soft-at-once"]->setChecked(precompute_->drafts().enabled());
     viewport_->setAwaits([this](PartId element) { return precompute_->drafts().awaits(element); });
-    const QString passingHandles = QStringLiteral("drag/passing-handles");
-    onToggle("passing-handles", [this, passingHandles](bool checked) {
-        settle();
-        setPassingHandles(checked);
-        QSettings().setValue(passingHandles, checked);
-    });
-    const bool passing = QSettings().value(passingHandles, false).toBool();
-    (*actions_)["passing-handles"]->setChecked(passing);
-    setPassingHandles(passing);
+    new DragOptions(
+        *actions_, viewport_->tools(), [this](const Element& element) { return precompute_->drafts().enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; }, [this] { settle(); }, this);
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
@@ -283,12 +277,6 @@ void MainWindow::setTool(ToolKind tool) {
     showStart(false);
     viewport_->tools().setTool(tool);
     viewport_->setFocus();
-}
-
-void MainWindow::setPassingHandles(bool on) {
-    ToolOptions options;
-    if (on) options.passingHandles = [this](const Element& element) { return precompute_->drafts().enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; };
-    viewport_->tools().setOptions(std::move(options));
 }
 
 void MainWindow::startPrecompute() {

@@ -50,7 +50,10 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
     QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
-    fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
+    fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles"});
+    snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
+    fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
+    fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
     fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
@@ -81,6 +84,12 @@ void StudioMenus::buildToolBar() {
         tools_.push_back(bar);
     };
     group("tools", {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch"});
+    group("tools-drag", {"snap"});
+    // The arrow of the magnet opens what it goes to.
+    if (auto* magnet = qobject_cast<QToolButton*>(tools_.back()->widgetForAction(actions_["snap"]))) {
+        magnet->setMenu(snapMenu_);
+        magnet->setPopupMode(QToolButton::MenuButtonPopup);
+    }
     group("tools-history", {"undo", "redo"});  // here two columns hold all where letters are large
     group("tools-character", {"make-soft", "precompute", "rest", "pin"});
     group("tools-view", {"frame-all", "bones", "grid"});

@@ -47,6 +47,7 @@ private:
     ActionSet& actions_;
     RecentFiles& recent_;
     std::vector<QToolBar*> tools_;  ///< groups, one below the other
+    QMenu* snapMenu_ = nullptr;
     QMenu *recentMenu_, *samplesMenu_;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their untranslated titles
 };

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ui/window/drag_options.h"
+
+#include <QSettings>
+#include <cmath>
+#include <utility>
+
+#include "ui/dialogs/snap_dialog.h"
+#include "ui/viewport/tool_host.h"
+#include "ui/widgets/action_set.h"
+
+namespace imomushi {
+namespace {
+
+struct SnapRow {
+    const char* action;
+    bool SnapSettings::*member;
+};
+constexpr SnapRow kSnapRows[] = {{"snap", &SnapSettings::on},           {"snap-grid", &SnapSettings::grid},     {"snap-angle", &SnapSettings::angle}, {"snap-vertices", &SnapSettings::vertices},
+                                 {"snap-surface", &SnapSettings::surface}, {"snap-middle", &SnapSettings::middle}, {"snap-ends", &SnapSettings::ends}};
+
+const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles");
+
+QString keyOf(const SnapRow& row) { return QStringLiteral("drag/") + QLatin1String(row.action); }
+
+}  // namespace
+
+DragOptions::DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool(const Element&)> passing, std::function<void()> settle, QWidget* window)
+    : QObject(window), actions_(actions), tools_(tools), passing_(std::move(passing)), settle_(std::move(settle)), window_(window) {
+    const QSettings settings;
+    for (const SnapRow& row : kSnapRows) {
+        snap_.*row.member = settings.value(keyOf(row), snap_.*row.member).toBool();
+        actions[row.action]->setChecked(snap_.*row.member);
+        // What is being dragged goes on, and snaps from now on.
+        connect(actions[row.action], &QAction::triggered, this, [this, row](bool on) {
+            snap_.*row.member = on;
+            QSettings().setValue(keyOf(row), on);
+            tell();
+        });
+    }
+    const double step = settings.value(kStepKey, snap_.step).toDouble(), angle = settings.value(kAngleKey, snap_.angleStep).toDouble();
+    if (std::isfinite(step) && step >= 0.0) snap_.step = step;
+    if (std::isfinite(angle) && angle > 0.0) snap_.angleStep = angle;
+    connect(actions["snap-steps"], &QAction::triggered, this, [this] { askSteps(); });
+    anywhere_ = settings.value(kAnywhereKey, false).toBool();
+    actions["passing-handles"]->setChecked(anywhere_);
+    connect(actions["passing-handles"], &QAction::triggered, this, [this](bool on) {
+        settle_();
+        anywhere_ = on;
+        QSettings().setValue(kAnywhereKey, on);
+        tell();
+    });
+    tell();
+}
+
+void DragOptions::tell() {
+    ToolOptions options;
+    options.snap = snap_;
+    if (anywhere_) options.passingHandles = passing_;
+    tools_.setOptions(std::move(options));
+}
+
+void DragOptions::askSteps() {
+    settle_();
+    auto* dialog = new SnapDialog(snap_, window_);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    connect(dialog, &SnapDialog::changed, this, [this](double step, double angle) {
+        snap_.step = step;
+        snap_.angleStep = angle;
+        QSettings().setValue(kStepKey, step);
+        QSettings().setValue(kAngleKey, angle);
+        tell();
+    });
+    dialog->open();
+}
+
+}  // namespace imomushi

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <QObject>
+#include <functional>
+
+#include "ui/tools/tool_kind.h"
+
+class QWidget;
+
+namespace imomushi {
+
+class ActionSet;
+class ToolHost;
+
+/// How things are dragged: the magnet and where it goes, and flesh that is taken anywhere. Kept in the settings of the studio.
+class DragOptions : public QObject {
+    Q_OBJECT
+public:
+    /// `passing`: of which elements flesh may be taken. `settle`: ends what is dragged.
+    DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool(const Element&)> passing, std::function<void()> settle, QWidget* window);
+
+private:
+    void tell();
+    void askSteps();
+
+    ActionSet& actions_;
+    ToolHost& tools_;
+    std::function<bool(const Element&)> passing_;
+    std::function<void()> settle_;
+    QWidget* window_;
+    SnapSettings snap_;
+    bool anywhere_ = false;
+};
+
+}  // namespace imomushi
