@@ -95,6 +95,12 @@ struct InverseKinematics::State {
         return std::max(part, 0.0);
     }
 
+    // Sets `trial` and its frames to what that part of `step` leads to.
+    void tryPart(double part) {
+        for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + part * step[i];
+        rods.transport(trial, startFrames, trialFrames);
+    }
+
     // The turn of a bone counts as the move of one end about the other.
     [[nodiscard]] bool turnsBeyondTrustRegion() const {
         for (std::size_t b = 0; b < skeleton().bones.size(); ++b) {
@@ -189,9 +195,9 @@ struct InverseKinematics::State {
             // More damping slows down what the energy hardly resists (a body about to buckle) more than held points. Only after that the whole step is cut.
             double part = partWithinTrustRegion();
             limited = part < 1.0;
-            for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + part * step[i];
-            rods.transport(trial, startFrames, trialFrames);
-            if ((part < 0.5 || turnsBeyondTrustRegion()) && raised < kRaises) {
+            tryPart(part);
+            bool turns = turnsBeyondTrustRegion();
+            if ((part < 0.5 || turns) && raised < kRaises) {
                 ++raised;
                 damping *= kRaise;
                 limited = false;
@@ -200,11 +206,13 @@ struct InverseKinematics::State {
             ++s;
             const double before = rods.energy(x, targets);
             bool taken = false;
-            for (int h = 0; h < kHalvings && !taken; ++h, part *= 0.5) {
-                for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + part * step[i];
-                rods.transport(trial, startFrames, trialFrames);
-                if (rods.turnsBeyond(std::cos(kStepTurn), trial) || turnsBeyondTrustRegion()) continue;
-                taken = rods.energy(trial, targets) <= before + 1e-13 * std::abs(before);
+            for (int h = 0; h < kHalvings; ++h) {
+                if (h > 0) {
+                    tryPart(part *= 0.5);
+                    turns = turnsBeyondTrustRegion();
+                }
+                taken = !turns && !rods.turnsBeyond(std::cos(kStepTurn), trial) && rods.energy(trial, targets) <= before + 1e-13 * std::abs(before);
+                if (taken) break;
             }
             if (!taken) break;
             x.swap(trial);

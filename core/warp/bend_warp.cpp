@@ -25,6 +25,8 @@ constexpr double kMaxInflation = 0.25;
 // Its amount is found in so many steps of Newton's method with the first slope, or until the volume is as near as this.
 constexpr int kVolumeSteps = 4;
 constexpr double kVolumeError = 1e-4;
+// Step 6 changes the volume: where it does by more than this, step 5 is done again.
+constexpr double kPressedOut = 2e-3;
 
 float* floats(Vectors& vectors) { return reinterpret_cast<float*>(vectors.data()); }
 
@@ -116,7 +118,14 @@ struct BendWarp::State {
         solve(false);
         inflate();
         findPlanes(motions);
-        if (!t.carrier) keepInside(carried);
+        if (!t.carrier) {
+            keepInside(carried);
+            // What was pressed in at a face comes out elsewhere.
+            if (t.volume > 0.0 && std::abs(wantedVolume() - volumeNow()) > kPressedOut * t.volume) {
+                inflate();
+                keepInside(carried);
+            }
+        }
         shown = (place - t.middle).cast<float>();
         if (t.carrier) findCoarse(motions);
     }
@@ -271,10 +280,13 @@ struct BendWarp::State {
         for (int i = 0; i < t.free; ++i) at[i] += force[i];
     }
 
-    // Step 5: along normals, so that the volume is what the linear response says.
+    // What the linear response says.
+    [[nodiscard]] double wantedVolume() const { return t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0)); }
+
+    // Step 5: along normals.
     void inflate() {
         if (!(t.volume > 0.0) || t.inflation.empty()) return;
-        const double wanted = t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0));
+        const double wanted = wantedVolume();
         std::fill(force.begin(), force.end(), Vector4f::Zero());
         for (const auto& triangle : t.surface) {
             const Three x0 = three(at[triangle[0]]);

@@ -39,7 +39,7 @@ struct BendWarpTables;
 ///   4  Vertices follow by least squares over the surface, with a prefactorised system; rotations are fitted to the result and it is solved again
 ///      (Sorkine & Alexa 2007), which spreads what w and e cannot agree on.
 ///   5  An inflation restores the volume, to what the linear response says it is: exp(its relative change) of the volume at rest.
-///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's.
+///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's. What that presses in, step 5 lets out elsewhere.
 ///
 /// Faces of a joint should keep their shape, or warp little: what a bend of 90 degrees or more warps by linear elasticity is too much.
 /// Bodies of more than 12,000 vertices are worked on a coarse body of 6,000, which carries them smoothly (coarse_body.h); where there is no such body, as they are.
