@@ -15,6 +15,7 @@
 #include "core/input/devices.h"
 #include "core/input/input_listener.h"
 #include "core/input/udp_port.h"
+#include "core/live/direct_names.h"
 
 namespace imomushi {
 
@@ -208,7 +209,7 @@ void addLiveCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("live",
                        "Performs the character by what devices and other programs say, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
-                       "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
+                       "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/pose/NAME\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
                        {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\" or \"midi\",\"device\":its name or number (the first one),\"name\":...}: a game controller or a MIDI device, opened where a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},

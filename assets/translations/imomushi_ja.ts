@@ -6380,6 +6380,15 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1、%2</translation>
         </message>
         <message>
+            <source>Pose “%1”</source>
+            <comment>a kept pose</comment>
+            <translation>ポーズ「%1」</translation>
+        </message>
+        <message>
+            <source>Poses</source>
+            <translation>ポーズ</translation>
+        </message>
+        <message>
             <source>end of %1</source>
             <comment>a bone</comment>
             <translation>%1 の先</translation>
@@ -6579,6 +6588,22 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     </context>
     <context>
         <name>imomushi::MappingForm</name>
+        <message>
+            <source>A press</source>
+            <translation>ボタン</translation>
+        </message>
+        <message>
+            <source>Counts while it is held</source>
+            <translation>押している間だけ働く</translation>
+        </message>
+        <message>
+            <source>Switches on and off</source>
+            <translation>押すたびに切り替わる</translation>
+        </message>
+        <message>
+            <source>A button that is pressed counts while it is held, or switches: pressed once it is on, pressed again it is off.</source>
+            <translation>ボタンは、押している間だけ働くか、押すたびにオンとオフが切り替わります。</translation>
+        </message>
         <message>
             <source>Control</source>
             <translation>操作子</translation>

@@ -6,6 +6,7 @@
 #include "core/commands/document_edit.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
+#include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/live/live_character.h"
@@ -130,6 +131,7 @@ Result<Json> renamePose(DocumentEdit& edit, const Json& arguments, const Progres
     if (name == pose->name) return Json::object();
     if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
     if (keptPose(edit.document, name)) return fail("name-taken", "There is a pose \"" + name + "\" already: choose another name.");
+    renameMapped(edit.document, "pose", pose->name, name);
     poses[std::size_t(pose - poses.begin())].name = name;
     setKeptPoses(edit.document, std::move(poses));
     return Json::object();

@@ -106,7 +106,7 @@ void addMappingCommands(CommandRegistry& registry) {
                        {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", \"pad\", \"midi\", or another name."},
                         {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad."},
                         {"component", Type::Integer, false, "Which number of the channel, from 0 (0)."},
-                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight), \"effect/NAME/PROPERTY\" (in its unit; of a vector \"effect/NAME/PROPERTY/x\", y, z). Or what it lets happen when it passes the middle of its range: \"take/NAME/play\", \"take/NAME/stop\" (in the studio), \"trigger/let-go\" (everything that inputs move glides to rest)."},
+                        {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight), \"pose/NAME/weight\" (how much of a kept pose, 0 to 1), \"effect/NAME/PROPERTY\" (in its unit; of a vector \"effect/NAME/PROPERTY/x\", y, z). Or what it lets happen when it passes the middle of its range: \"take/NAME/play\", \"take/NAME/stop\" (in the studio), \"trigger/let-go\" (everything that inputs move glides to rest)."},
                         {"in", Type::Array, false, "The range of the control [low, high] ([0,1]); values beyond are at its ends. One that has 0 within has its middle there."},
                         {"out", Type::Array, false, "What the ends become, in the unit of the target (as \"in\"); the first may be the larger one."},
                         {"exponent", Type::Number, false, "Of the curve, 1/16 to 16: 1 straight, more is finer near the beginning or the middle (1)."},
@@ -116,6 +116,7 @@ void addMappingCommands(CommandRegistry& registry) {
                         {"silence", Type::Text, false, "What happens where its source falls silent: \"hold\", \"rest\" (it glides there) or \"next\" (the next row of the target drives it) (hold)."},
                         {"after", Type::Number, false, "Seconds after which a source counts as silent, up to 3600; 0: never (0)."},
                         {"mute", Type::Boolean, false, "It drives nothing (false)."},
+                        {"toggle", Type::Boolean, false, "A press puts it at the end of its range, the next one at the beginning again (false). A press passes the middle of the range upwards."},
                         {"solo", Type::Boolean, false, "Rows that are not solo are muted (false)."},
                         {"position", Type::Integer, false, "Its place in the table, from 0 (where it is, a new one at the end)."}},
                        mapInput);

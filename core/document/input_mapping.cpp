@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/document/command_support.h"
+#include "core/document/kept_pose.h"
 #include "core/document/morph_weights.h"
 #include "core/mesh/render_model.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kSilences = {"hold", "rest", "next"};
 constexpr std::array<std::string_view, 3> kPlaces = {"x", "y", "z"}, kTurns = {"turn-x", "turn-y", "turn-z"};
-constexpr std::array<std::string_view, 13> kKeys = {"source", "channel", "component", "target", "in", "out", "exponent", "dead_zone", "hertz", "reaction", "silence", "after", "mute"};
+constexpr std::array<std::string_view, 14> kKeys = {"source", "channel", "component", "target", "in", "out", "exponent", "dead_zone", "hertz", "reaction", "silence", "after", "mute", "toggle"};
 constexpr const char* kSolo = "solo";
 constexpr auto kFileKey = "imomushi-mappings";
 constexpr int kFileVersion = 1;
@@ -51,6 +52,11 @@ std::optional<TargetParts> partsOf(std::string_view text) {
         made.part = rest;
         return made;
     }
+    if (kind == "pose") {
+        if (rest != "weight") return std::nullopt;
+        made.target.kind = Kind::Pose;
+        return made;
+    }
     if (kind == "take" || kind == "trigger") {
         if (kind == "trigger" ? name != "let-go" || !rest.empty() : rest != "play" && rest != "stop") return std::nullopt;
         made.target.kind = kind == "trigger" ? Kind::LetGo : rest == "play" ? Kind::PlayTake : Kind::StopTake;
@@ -79,7 +85,7 @@ std::optional<TargetParts> partsOf(std::string_view text) {
 }
 
 tl::unexpected<Error> badTarget(std::string_view text) {
-    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z), \"morph/CHARACTER/NAME\", \"effect/NAME/PROPERTY\", \"take/NAME/play\" (stop) or \"trigger/let-go\".");
+    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z), \"morph/CHARACTER/NAME\", \"pose/NAME/weight\", \"effect/NAME/PROPERTY\", \"take/NAME/play\" (stop) or \"trigger/let-go\".");
 }
 
 tl::unexpected<Error> tooMany() { return fail("too-many-mappings", "A table has at most " + std::to_string(InputMapping::kMost) + " mappings: remove some first."); }
@@ -110,7 +116,7 @@ Result<void> readFlag(const Json& value, const char* key, bool& to) {
 }
 
 /// What a target may become, in its unit.
-double largestOf(const MappedTarget& target) { return target.kind == MappedTarget::Kind::Morph ? kLargestMorphWeight : kMaxCoordinate / 4.0; }
+double largestOf(const MappedTarget& target) { return target.kind == MappedTarget::Kind::Morph || target.kind == MappedTarget::Kind::Pose ? kLargestMorphWeight : kMaxCoordinate / 4.0; }
 
 /// "swing-hertz", "acceleration/y". Errors: "no-such-effect", "no-such-property", "bad-value".
 Result<void> readEffect(std::string_view name, std::string_view part, MappedTarget& target) {
@@ -146,6 +152,11 @@ Result<MappedTarget> mappedTarget(const Document& document, std::string_view tex
         made.take = take->id;
     } else if (made.kind == Kind::LetGo) {
         return made;
+    } else if (made.kind == Kind::Pose) {
+        const KeptPoses& poses = keptPoses(document);
+        const KeptPose* pose = keptPose(document, parts->name);
+        if (!pose) return fail("no-such-pose", "There is no kept pose \"" + std::string(parts->name) + "\".");
+        made.pose = static_cast<std::size_t>(pose - poses.data());
     } else if (made.kind == Kind::HandlePlace || made.kind == Kind::HandleTurn) {
         IMOMUSHI_TRY(made.handle, handleNamed(document, parts->name));
     } else {
@@ -169,6 +180,7 @@ Json mappingJson(const InputMapping& mapping) {
                 {"silence", kSilences[static_cast<std::size_t>(row.silence)]},
                 {"after", row.after},
                 {"mute", row.muted},
+                {"toggle", row.toggles},
                 {kSolo, mapping.solo}};
 }
 
@@ -204,7 +216,7 @@ Result<InputMapping> mappingFrom(const Json& value) {
         if (index < 0) return fail("bad-value", "\"silence\" of a mapping is \"hold\", \"rest\" or \"next\".");
         row.silence = static_cast<InputRow::Silence>(index);
     }
-    for (const auto& [key, to] : {std::pair("mute", &row.muted), std::pair(kSolo, &made.solo)})
+    for (const auto& [key, to] : {std::pair("mute", &row.muted), std::pair("toggle", &row.toggles), std::pair(kSolo, &made.solo)})
         if (auto ok = readFlag(value, key, *to); !ok) return tl::unexpected(ok.error());
     return made;
 }
@@ -251,6 +263,28 @@ void renameMapped(Document& document, std::string_view kind, std::string_view fr
     for (InputMapping& mapping : changed)
         if (mapping.target.starts_with(before)) mapping.target = after + mapping.target.substr(before.size());
     setMappings(document, std::move(changed));
+}
+
+InputRow heardRow(const InputMapping& mapping, bool solo) {
+    InputRow row = mapping.row;
+    row.muted = row.muted || (!mapping.solo && solo);
+    return row;
+}
+
+bool anySolo(const Document& document) { return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; }); }
+
+std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings) {
+    std::vector<std::pair<InputRow, MappedTarget>> rows;
+    mappings.clear();
+    const bool solo = anySolo(document);
+    for (std::size_t i = 0; document.mappings && i < document.mappings->size(); ++i) {
+        const InputMapping& mapping = (*document.mappings)[i];
+        const auto target = mappedTarget(document, mapping.target);
+        if (!target || !target->isTrigger()) continue;
+        rows.emplace_back(heardRow(mapping, solo), *target);
+        mappings.push_back(i);
+    }
+    return rows;
 }
 
 std::string mappingsText(const InputMappings& mappings) { return Json{{kFileKey, kFileVersion}, {"mappings", mappingsJson(mappings)}}.dump(1) + "\n"; }

@@ -26,20 +26,21 @@ struct InputMapping {
 
 /// What can be driven: one number of a character, 0 at rest but for morph targets and effects; or a trigger.
 struct MappedTarget {
-    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph, Effect, PlayTake, StopTake, LetGo } kind = Kind::Morph;
+    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph, Pose, Effect, PlayTake, StopTake, LetGo } kind = Kind::Morph;
     int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, in the axes of the world at rest): 0 x, 1 y, 2 z
     FaceRef handle;
     EndpointRef end;     ///< of a bone that is turned, its end
     MorphRef morph;
     EffectKind effect = EffectKind::kCount;
     int value = 0;       ///< in Effect::values
+    std::size_t pose = 0;  ///< of keptPoses()
     PartId take = 0;
     /// It happens when its control says more than the middle of what it becomes (the row's "out"), and does not stay.
     [[nodiscard]] bool isTrigger() const { return kind == Kind::PlayTake || kind == Kind::StopTake || kind == Kind::LetGo; }
 };
 
-/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
-/// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", and of names those of handleNamed(), Document::endpoint() and morphOf().
+/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "pose/NAME/weight", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
+/// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", "no-such-pose", and of names those of handleNamed(), Document::endpoint() and morphOf().
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
 
 /// As commands, projects and files of mappings write a row; all keys but source, channel and target may be left out. Errors: "bad-type", "bad-value", "missing-key", "unknown-key".
@@ -53,8 +54,15 @@ Result<InputMappings> mappingsFrom(const Json& list);
 Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, std::optional<std::size_t> place = std::nullopt);
 /// Makes this the table of the document, which keeps its own where they are alike.
 void setMappings(Document& document, InputMappings mappings);
-/// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character).
+/// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character), "pose", "take".
 void renameMapped(Document& document, std::string_view kind, std::string_view from, std::string_view to);
+
+/// One of them is solo.
+bool anySolo(const Document& document);
+/// A row, muted where others are solo.
+InputRow heardRow(const InputMapping& mapping, bool solo);
+/// Rows of the document's table that let something happen (InputTriggers), with what, and their places in that table.
+std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings);
 
 /// The text of a file of mappings, and the rows of one, which nobody trusts. Errors of mappingsFromText(): "not-mappings" with the reason.
 std::string mappingsText(const InputMappings& mappings);

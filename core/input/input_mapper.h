@@ -24,6 +24,8 @@ struct InputRow {
     enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
     double after = 0.0;         ///< s; 0: it is silent only where its device is plugged out (a stick that is not moved says nothing)
     bool muted = false;
+    /// A press, when the control passes the middle of its range upwards, puts it at the end of the range, the next one at the beginning again: a button that switches.
+    bool toggles = false;
     bool operator==(const InputRow&) const = default;
 };
 
@@ -76,6 +78,8 @@ public:
 private:
     struct Heard {
         double raw = 0.0, value = 0.0;
+        double counts = 0.0;   // what of the control counts: raw, or where presses have put it
+        bool pressed = false, on = false;
         FilteredNumber filtered;
         std::uint64_t count = 0;
         double age = 0.0;      // s, since the last value

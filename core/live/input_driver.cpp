@@ -10,7 +10,8 @@
 #include "core/document/command_support.h"
 #include "core/document/morph_weights.h"
 #include "core/document/names.h"
-#include "core/input/osc_packet.h"
+#include "core/live/direct_names.h"
+#include "core/live/pose_parts.h"
 #include "core/mesh/bounds.h"
 #include "core/skeleton/bone_tree.h"
 
@@ -43,15 +44,6 @@ ResponseCurve direct(double rest, double bound) {
     return curve;
 }
 
-/// A row, muted where others are solo.
-InputRow heardRow(const InputMapping& mapping, bool solo) {
-    InputRow row = mapping.row;
-    row.muted = row.muted || (!mapping.solo && solo);
-    return row;
-}
-
-bool anySolo(const Document& document) { return document.mappings && std::any_of(document.mappings->begin(), document.mappings->end(), [](const InputMapping& m) { return m.solo; }); }
-
 /// The number of an effect within the bounds of its property.
 double withinProperty(const LiveInput& input) {
     const EffectProperty& p = propertyOf(input).first;
@@ -68,6 +60,8 @@ struct InputDriver::Tables {
     Pose pose;  // of the document, or rest
     std::vector<Driven> driven;
     std::vector<Turned> turned;
+    std::vector<Posed> posed;
+    std::vector<std::size_t> keptOf;  // of each of posed, in the document
     std::vector<InputRow> rows;
     std::vector<int> rowOf;  // of each mapping
     std::vector<double> shown, rest;
@@ -116,6 +110,11 @@ struct InputDriver::Tables {
         return &driven.emplace_back(made);
     }
 
+    [[nodiscard]] Eigen::Quaterniond wholeRotation(std::size_t bone) const {
+        const auto end = static_cast<std::size_t>(plan.input.skeleton.bones[bone].end);
+        return imomushi::wholeRotation(tree, bone, pose.frames[bone], pose.roll[end]);
+    }
+
     /// Where its end is driven, too.
     Turned* findTurned(const MappedTarget& target) {
         const int index = plan.boneIndex(target.end.bone);
@@ -133,12 +132,14 @@ struct InputDriver::Tables {
         made.along = pointAt(skeleton.bones[bone].end) - pointAt(skeleton.bones[bone].start);
         made.rollSign = tree.rollSign[bone];
         if (const int parent = tree.parent[bone]; parent >= 0) {
-            made.parentTurn = pose.frames[static_cast<std::size_t>(parent)].normalized();
+            made.parentTurn = wholeRotation(static_cast<std::size_t>(parent));
+            made.parentUntwisted = pose.frames[static_cast<std::size_t>(parent)].normalized();
             made.fromParent = pointAt(skeleton.bones[bone].start) - pointAt(skeleton.bones[static_cast<std::size_t>(parent)].start);
         }
         made.startNow = made.startAt;
-        made.now = pose.frames[bone].normalized();
-        made.turn = rotationVector((made.parentTurn.conjugate() * pose.frames[bone]).normalized());
+        made.now = wholeRotation(bone);
+        made.untwisted = pose.frames[bone].normalized();
+        made.turn = made.base = rotationVector((made.parentTurn.conjugate() * made.now).normalized());
         driven[made.end].input.hasRoll = true;
         return &turned.emplace_back(made);
     }
@@ -162,7 +163,90 @@ struct InputDriver::Tables {
         }
     }
 
+    /// A slot for the weight of a pose; placePoses() says what it is.
+    int& slotOfPose(std::size_t kept) {
+        const auto known = std::ranges::find(keptOf, kept);
+        if (known != keptOf.end()) return posed[static_cast<std::size_t>(known - keptOf.begin())].slot;
+        keptOf.push_back(kept);
+        return posed.emplace_back().slot;
+    }
+
+    /// Each bone that a driven pose turns, with all that hang on it, what stands on its own, and how much of each pose is in what is shown. Answers what each pose does.
+    std::vector<PoseParts> placePoses() {
+        std::vector<PoseParts> parts;
+        if (posed.empty()) return parts;
+        for (const std::size_t of : keptOf) parts.push_back(partsOf(keptPoses(document)[of], document, plan, tree));
+        const std::vector<double> weights = weightsIn(partsOf(poseOf(document, plan), document, plan, tree), parts, plan);
+        std::vector<char> moves(plan.bones.size(), 0);
+        const auto& bones = plan.input.skeleton.bones;
+        const auto endOf = [&](int bone, bool atEnd) {
+            MappedTarget target;
+            target.kind = Kind::EndPlace;
+            target.end = {plan.bones[static_cast<std::size_t>(bone)], atEnd};
+            return target;
+        };
+        for (std::size_t p = 0; p < posed.size(); ++p) {
+            shown[static_cast<std::size_t>(posed[p].slot)] = posed[p].before = weights[p];
+            const auto thing = [&](const MappedTarget& target) -> Posed::OfThing* {
+                Driven* found = find(target);
+                if (!found) return nullptr;
+                found->posed = true;
+                return &posed[p].things.emplace_back(Posed::OfThing{static_cast<std::size_t>(found - driven.data()), Vec3::Zero(), Vec3::Zero(), 0.0});
+            };
+            for (const PoseParts::Bone& b : parts[p].bones) moves[static_cast<std::size_t>(b.bone)] = 1;
+            for (const PoseParts::Root& r : parts[p].roots) {
+                moves[static_cast<std::size_t>(r.bone)] = 1;
+                if (auto* of = thing(endOf(r.bone, false))) of->by = r.by;
+            }
+            for (const PoseParts::Handle& h : parts[p].handles) {
+                MappedTarget target;
+                target.kind = Kind::HandlePlace;
+                target.handle = plan.handles[static_cast<std::size_t>(h.handle)];
+                if (auto* of = thing(target)) of->by = h.by, of->turn = h.turn;
+            }
+            for (const PoseParts::Morph& m : parts[p].morphs) {
+                MappedTarget target;
+                target.kind = Kind::Morph;
+                target.morph = m.morph;
+                if (auto* of = thing(target)) of->weight = m.more;
+            }
+        }
+        for (std::size_t b = 0; b < moves.size(); ++b) {
+            const int parent = tree.parent[b];
+            moves[b] = moves[b] || (parent >= 0 && moves[static_cast<std::size_t>(parent)]);
+            if (!moves[b]) continue;
+            MappedTarget target = endOf(static_cast<int>(b), true);
+            target.kind = Kind::BoneTurn;
+            Turned* bone = findTurned(target);
+            if (!bone) continue;
+            bone->baseLength = (pose.points[static_cast<std::size_t>(bones[b].end)] - pose.points[static_cast<std::size_t>(bones[b].start)]).norm() / bones[b].length;
+            const bool turnedByRow = std::ranges::any_of(bone->slotNumbers, [](int slot) { return slot >= 0; });
+            bone->pinned = !turnedByRow && std::ranges::any_of(document.goals, [&](const auto& goal) { return goal.second.pinned && plan.pointIndex(goal.first) == bones[b].end; });
+        }
+        return parts;
+    }
+
+    /// After sortTurned().
+    void addTurnsOfPoses(const std::vector<PoseParts>& parts) {
+        for (std::size_t p = 0; p < posed.size(); ++p)
+            for (const PoseParts::Bone& b : parts[p].bones) {
+                const auto of = std::ranges::find(turned, static_cast<std::size_t>(b.bone), &Turned::bone);
+                if (of != turned.end()) posed[p].bones.push_back({static_cast<std::size_t>(of - turned.begin()), b.turn, b.longer});
+            }
+    }
+
     void add(InputRow row, const MappedTarget& target) {
+        if (target.kind == Kind::Pose) {
+            int& slot = slotOfPose(target.pose);
+            if (slot < 0) {
+                slot = static_cast<int>(shown.size());
+                shown.push_back(0.0);
+                rest.push_back(0.0);
+            }
+            row.slot = slot;
+            rows.push_back(std::move(row));
+            return;
+        }
         Driven* thing = find(target);
         if (!thing) return;
         Turned* bone = target.kind == Kind::BoneTurn ? findTurned(target) : nullptr;
@@ -213,7 +297,7 @@ struct InputDriver::Tables {
                 row.channel = name.address;
                 row.component = i;
                 row.muted = solo;
-                row.curve = target.kind == Kind::Morph ? direct(0.0, kLargestMorphWeight) : target.kind == Kind::Effect ? direct(0.0, kFarthestDirect)
+                row.curve = target.kind == Kind::Morph || target.kind == Kind::Pose ? direct(0.0, kLargestMorphWeight) : target.kind == Kind::Effect ? direct(0.0, kFarthestDirect)
                             : target.kind == Kind::HandleTurn || target.kind == Kind::EndRoll ? direct(0.0, kLargestDirectAngle)
                                                                                               : direct(restOf(target), kFarthestDirect);
                 for (const std::string& source : sources) {
@@ -227,38 +311,43 @@ struct InputDriver::Tables {
 InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources)
     : InputDriver([&] {
           const Skeleton& skeleton = plan.input.skeleton;
-          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}, {}};
+          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}, {}, {}, {}};
           tables.addMappings();
           tables.addDirectNames(oscSources);
+          const auto parts = tables.placePoses();
           tables.sortTurned();
+          tables.addTurnsOfPoses(parts);
+          for (Driven& driven : tables.driven) rebase(driven);
           return tables;
       }()) {}
 
-InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
+InputDriver::InputDriver(Tables&& tables) : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), posed_(std::move(tables.posed)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest) { moved_.reserve(driven_.size()); }
 
 std::span<const LiveInput> InputDriver::step(double seconds) {
     mapper_.step(seconds);
     moved_.clear();
     const auto moves = [this](const auto& slotNumbers) { return std::any_of(slotNumbers.begin(), slotNumbers.end(), [this](int slot) { return slot >= 0 && mapper_.moved(slot); }); };
-    const bool turns = std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slotNumbers); });
+    const bool posed = addPoses();
+    const bool turns = posed || std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return moves(t.slotNumbers); });
     for (Driven& driven : driven_) {
-        driven.moved = !driven.byHand && moves(driven.slotNumbers);
+        driven.moved = !driven.byHand && ((posed && driven.posed) || moves(driven.slotNumbers));
         if (!driven.moved) continue;
         LiveInput& input = driven.input;
-        const auto put = [&](std::size_t slot, double& to, double rest) {
-            if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]);
+        const auto put = [&](std::size_t slot, double& to, double rest, double base, double added) {
+            if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]) + added;
+            else if (driven.posed) to = base + added;
         };
         if (input.isNumber()) {
-            put(0, input.weight, 0.0);
+            put(0, input.weight, 0.0, driven.base.weight, driven.addedWeight);
             if (input.kind == LiveInput::Kind::Effect) input.weight = withinProperty(input);
         } else {
-            for (std::size_t k = 0; k < 3; ++k) put(k, input.target[static_cast<Eigen::Index>(k)], driven.rest[static_cast<Eigen::Index>(k)]);
+            for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(k), input.target[k], driven.rest[k], driven.base.target[k], driven.added[k]);
             if (input.kind == LiveInput::Kind::End) {
-                put(3, input.roll, 0.0);
+                if (driven.slotNumbers[3] >= 0) input.roll = mapper_.shown(driven.slotNumbers[3]);
                 input.hasRoll = input.hasRoll || (driven.slotNumbers[3] >= 0 && mapper_.winner(driven.slotNumbers[3]) >= 0);
             } else {
-                for (std::size_t k = 0; k < 3; ++k) put(3 + k, driven.turn[static_cast<Eigen::Index>(k)], 0.0);
-                if (driven.slotNumbers[3] >= 0 || driven.slotNumbers[4] >= 0 || driven.slotNumbers[5] >= 0) input.rotation = rotationOf(driven.turn);
+                for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(3 + k), driven.turn[k], 0.0, driven.baseTurn[k], driven.addedTurn[k]);
+                if (driven.posed || driven.slotNumbers[3] >= 0 || driven.slotNumbers[4] >= 0 || driven.slotNumbers[5] >= 0) input.rotation = rotationOf(driven.turn);
             }
         }
     }
@@ -269,25 +358,57 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
     return moved_;
 }
 
+bool InputDriver::addPoses() {
+    if (std::ranges::none_of(posed_, [this](const Posed& p) { return mapper_.moved(p.slot); })) return false;
+    poses_ = true;
+    for (Turned& bone : turned_) bone.added.setZero(), bone.longer = 0.0;
+    for (Driven& driven : driven_) driven.added.setZero(), driven.addedTurn.setZero(), driven.addedWeight = 0.0;
+    for (const Posed& pose : posed_) {
+        const double weight = mapper_.shown(pose.slot) - pose.before;
+        for (const Posed::OfBone& b : pose.bones) {
+            turned_[b.turned].added += weight * b.turn;
+            turned_[b.turned].longer += weight * b.longer;
+        }
+        for (const Posed::OfThing& t : pose.things) {
+            Driven& driven = driven_[t.driven];
+            driven.added += weight * t.by;
+            driven.addedTurn += weight * t.turn;
+            driven.addedWeight += weight * t.weight;
+        }
+    }
+    return true;
+}
+
+void InputDriver::rebase(Driven& driven) {
+    driven.base = driven.input;
+    driven.base.target -= driven.added;
+    driven.base.weight -= driven.addedWeight;
+    driven.baseTurn = driven.turn - driven.addedTurn;
+}
+
 bool InputDriver::placed(const Driven& driven) const {
     return std::any_of(driven.slotNumbers.begin(), driven.slotNumbers.begin() + 3, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; });
 }
 
 void InputDriver::follow(Turned& bone) {
-    for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k)
-        if (bone.slotNumbers[k] >= 0) bone.turn[static_cast<Eigen::Index>(k)] = mapper_.shown(bone.slotNumbers[k]);
+    const bool mine = std::ranges::any_of(bone.slotNumbers, [](int slot) { return slot >= 0; });
+    for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k) {
+        const auto axis = static_cast<Eigen::Index>(k);
+        bone.turn[axis] = (bone.slotNumbers[k] >= 0 ? mapper_.shown(bone.slotNumbers[k]) : bone.base[axis]) + bone.added[axis];
+    }
     const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
     bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
     Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
-    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * bone.fromParent) : start ? start->input.target : bone.startAt;
-    if (start && !parent) start->moved = !start->byHand;  // held, too
-    const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentTurn;
-    const Vec3 way = bone.now * bone.along, direction = way.normalized();
+    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * (parent->length() * bone.fromParent)) : start ? start->input.target : bone.startAt;
+    const bool moves = mine || poses_;  // else it only carries others
+    if (start && !parent && moves) start->moved = !start->byHand;  // held, too
+    const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentUntwisted;
+    const Vec3 way = bone.now * (bone.length() * bone.along), direction = way.normalized();
     bone.untwisted = (minimalRotation(carried * bone.along.normalized(), direction) * carried).normalized();
     Driven& end = driven_[bone.end];
     LiveInput& input = end.input;
     const Eigen::Quaterniond twist = bone.now * bone.untwisted.conjugate();
-    if (end.byHand) return;
+    if (end.byHand || !moves || (bone.pinned && !mine)) return;
     // Where something drives its place or roll themselves, that counts.
     if (!placed(end)) input.target = bone.startNow + way;
     if (end.slotNumbers[3] < 0 || mapper_.winner(end.slotNumbers[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
@@ -322,9 +443,11 @@ void InputDriver::pointAt(Turned& bone, const Vec3& end) {
         const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
         const Eigen::Quaterniond now = minimalRotation(was.normalized(), way.normalized()) * bone.now;
         bone.turn = rotationVector(((parent ? parent->now : bone.parentTurn).conjugate() * now).normalized());
+        bone.base = bone.turn - bone.added;
+        if (poses_) bone.baseLength = way.norm() / bone.along.norm() - bone.longer;
     }
     for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k)
-        if (bone.slotNumbers[k] >= 0) mapper_.setByHand(bone.slotNumbers[k], false, bone.turn[static_cast<Eigen::Index>(k)]);
+        if (bone.slotNumbers[k] >= 0) mapper_.setByHand(bone.slotNumbers[k], false, bone.turn[static_cast<Eigen::Index>(k)] - bone.added[static_cast<Eigen::Index>(k)]);
 }
 
 void InputDriver::read(std::span<InputMeter> meters) const {
@@ -340,93 +463,21 @@ void InputDriver::hold(const LiveInput& held) {
                 if (&driven_[bone.end] == &driven) pointAt(bone, held.target);
         driven.held = true;
         if (input.isNumber()) {
-            if (driven.slotNumbers[0] >= 0) mapper_.setByHand(driven.slotNumbers[0], false, held.weight);
+            if (driven.slotNumbers[0] >= 0) mapper_.setByHand(driven.slotNumbers[0], false, held.weight - driven.addedWeight);
             input.weight = held.weight;
+            rebase(driven);
             continue;
         }
         input.target = held.target;
         input.rotation = held.rotation;
         input.roll = held.roll;
         driven.turn = rotationVector(held.rotation);
-        const Vec3 place = held.target - driven.rest;
-        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : driven.turn.x(), driven.turn.y(), driven.turn.z()};
+        rebase(driven);
+        const Vec3 place = driven.base.target - driven.rest;
+        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : driven.baseTurn.x(), driven.baseTurn.y(), driven.baseTurn.z()};
         for (std::size_t k = 0; k < shown.size(); ++k)
             if (driven.slotNumbers[k] >= 0) mapper_.setByHand(driven.slotNumbers[k], false, shown[k]);
     }
-}
-
-std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings) {
-    std::vector<std::pair<InputRow, MappedTarget>> rows;
-    mappings.clear();
-    const bool solo = anySolo(document);
-    for (std::size_t i = 0; document.mappings && i < document.mappings->size(); ++i) {
-        const InputMapping& mapping = (*document.mappings)[i];
-        const auto target = mappedTarget(document, mapping.target);
-        if (!target || !target->isTrigger()) continue;
-        rows.emplace_back(heardRow(mapping, solo), *target);
-        mappings.push_back(i);
-    }
-    return rows;
-}
-
-std::vector<DirectName> directNames(const Document& document) {
-    std::vector<DirectName> names;
-    const auto add = [&](const std::string& address, const MappedTarget& target, int count) {
-        if (!InputName::fits(address)) return;
-        DirectName name{address, {}, count};
-        name.targets.fill(target);
-        for (int i = 0; i < count; ++i) {
-            name.targets[static_cast<std::size_t>(i)].axis = i;
-            name.targets[static_cast<std::size_t>(i)].value += i;
-        }
-        names.push_back(std::move(name));
-    };
-    const std::string root = "/imomushi/";
-    for (const auto& [id, element] : document.elements)
-        for (const Handle& handle : element->handles) {
-            MappedTarget target;
-            target.handle = {id, handle.face};
-            target.kind = Kind::HandlePlace;
-            add(root + "handle/" + handle.face + "/position", target, 3);
-            target.kind = Kind::HandleTurn;
-            add(root + "handle/" + handle.face + "/turn", target, 3);
-        }
-    for (const auto& [id, bone] : document.bones)
-        for (const bool atEnd : {false, true}) {
-            MappedTarget target;
-            target.end = {id, atEnd};
-            const std::string of = root + "bone/" + endpointText(document, target.end);
-            target.kind = Kind::EndPlace;
-            add(of + "/position", target, 3);
-            target.kind = Kind::EndRoll;
-            add(of + "/roll", target, 1);
-        }
-    for (const auto& [id, character] : document.characters)
-        for (std::size_t t = 0; t < character->model->morphs.size(); ++t) {
-            MappedTarget target;
-            target.kind = Kind::Morph;
-            target.morph = {id, static_cast<std::int32_t>(t)};
-            add(root + "morph/" + character->name + "/" + character->model->morphs[t].name, target, 1);
-        }
-    for (std::size_t k = 0; k < kEffects; ++k) {
-        MappedTarget target;
-        target.kind = Kind::Effect;
-        target.effect = static_cast<EffectKind>(k);
-        target.value = 0;
-        if (document.effects.has(target.effect))
-            for (const EffectProperty& p : effectProperties(target.effect)) {
-                if (!p.rebuilds) add(root + "effect/" + std::string(effectName(target.effect)) + "/" + std::string(p.name), target, p.size);
-                target.value += p.size;
-            }
-    }
-    return names;
-}
-
-std::vector<std::string> nameMessages(const Document& document) {
-    std::vector<std::string> messages;
-    for (const DirectName& name : directNames(document)) messages.push_back(oscMessage("/imomushi/name", name.address, name.count));
-    messages.push_back(oscMessage("/imomushi/names", "", static_cast<std::int32_t>(messages.size())));
-    return messages;
 }
 
 }  // namespace imomushi

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -46,13 +47,17 @@ private:
     struct Turned {
         std::size_t bone = 0, end = 0;     ///< of the skeleton; of driven_
         int parent = -1;                   ///< of turned_, -1: none, then
-        Eigen::Quaterniond parentTurn = Eigen::Quaterniond::Identity();  ///< of its parent, world
+        Eigen::Quaterniond parentTurn = Eigen::Quaterniond::Identity(), parentUntwisted = Eigen::Quaterniond::Identity();  ///< of its parent, world; the latter without roll
         int start = -1;                    ///< of driven_, -1: none has the start of the bone
         Vec3 startAt = Vec3::Zero();       ///< m, where it has no parent here
         Vec3 fromParent = Vec3::Zero(), along = Vec3::Zero();  ///< at rest: from the start of its parent to its own, from there to its end
         double rollSign = 1.0;
         std::array<int, 3> slotNumbers{-1, -1, -1};
         Vec3 turn = Vec3::Zero();          ///< about its parent, a rotation vector
+        Vec3 base = Vec3::Zero(), added = Vec3::Zero();  ///< the turn without poses, where no slot says it; what poses add
+        double baseLength = 1.0, longer = 0.0;           ///< over that at rest, the same; 1 and 0 without poses
+        bool pinned = false;               ///< its end stays where it is pinned
+        [[nodiscard]] double length() const { return std::max(baseLength + longer, 0.05); }  ///< over that at rest
         // Of the last step
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
         Vec3 startNow = Vec3::Zero();
@@ -62,35 +67,50 @@ private:
         LiveInput input;     ///< as it was given last
         Vec3 rest = Vec3::Zero();
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
+        LiveInput base;                  ///< without poses, where no slot says it
+        Vec3 baseTurn = Vec3::Zero();
+        Vec3 added = Vec3::Zero(), addedTurn = Vec3::Zero();  ///< by poses
+        double addedWeight = 0.0;
+        bool posed = false;              ///< poses add something
         std::array<int, 6> slotNumbers{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a number that first
         bool moved = false;  ///< in the last step
         bool byHand = false, held = false;
+    };
+    /// A pose whose weight is driven: what it adds to turned_ and driven_.
+    struct Posed {
+        int slot = -1;
+        double before = 0.0;             ///< the weight that is in what was shown at first
+        struct OfBone {
+            std::size_t turned = 0;
+            Vec3 turn = Vec3::Zero();
+            double longer = 0.0;
+        };
+        struct OfThing {
+            std::size_t driven = 0;
+            Vec3 by = Vec3::Zero(), turn = Vec3::Zero();
+            double weight = 0.0;
+        };
+        std::vector<OfBone> bones;
+        std::vector<OfThing> things;
     };
     struct Tables;
     explicit InputDriver(Tables&& tables);
     /// Something drives its place.
     [[nodiscard]] bool placed(const Driven& driven) const;
     void follow(Turned& bone);
+    /// Sums what poses add. False: none moved.
+    bool addPoses();
+    /// From now on its base is what makes it what it is.
+    static void rebase(Driven& driven);
     /// A bone that is turned points where its end was left, so that it goes on from there.
     void pointAt(Turned& bone, const Vec3& end);
     std::vector<Driven> driven_;
     std::vector<Turned> turned_;     // parents before children
+    std::vector<Posed> posed_;
+    bool poses_ = false;             // one has moved
     std::vector<LiveInput> moved_;
     std::vector<int> rowOf_;         // of each mapping, -1: its target is not there
     InputMapper mapper_;
 };
-
-/// OSC addresses of everything that can be driven, with how many numbers each takes: "/imomushi/handle/NAME/position" 3 (m, world), "/imomushi/handle/NAME/turn" 3 (a rotation vector, radians, from rest),
-/// "/imomushi/bone/NAME/end/position" 3, "/imomushi/bone/NAME/end/roll" 1, "/imomushi/morph/CHARACTER/NAME" 1, "/imomushi/effect/NAME/PROPERTY" 1 or 3 (of effects that are on). Names that are too long for a channel (InputName) have none.
-struct DirectName {
-    std::string address;
-    std::array<MappedTarget, 3> targets;
-    int count = 0;
-};
-std::vector<DirectName> directNames(const Document& document);
-/// Rows of the document's table that let something happen (InputTriggers), with what, and their places in that table.
-std::vector<std::pair<InputRow, MappedTarget>> triggerRows(const Document& document, std::vector<std::size_t>& mappings);
-/// The same as messages of OSC, "/imomushi/name" for each and "/imomushi/names" with their number: the answer to InputListener::kListAddress.
-std::vector<std::string> nameMessages(const Document& document);
 
 }  // namespace imomushi

@@ -60,6 +60,34 @@ TEST_CASE("mapper: a row drives its slot to what its curve says, without a jump 
     CHECK(m.moved(0));
 }
 
+TEST_CASE("mapper: a row that toggles is at the end of its range after a press, at the beginning after the next one; what trembles is pressed once") {
+    InputRow row = rowOf("pad", "a");
+    row.toggles = true;
+    row.curve.outHigh = 2.0;
+    InputMapper m = mapperOf({row});
+    const auto says = [&](double number) { CHECK(m.take(valueOf("pad", "a", {number}))); };
+    says(0.0);
+    stepFor(m, 0.5);
+    CHECK(m.shown(0) == 0.0);
+    // Pressed and released between two steps.
+    says(1.0), says(0.0);
+    m.step(kStep);
+    CHECK(m.shown(0) == 2.0);
+    says(0.52), says(0.48), says(0.52);
+    m.step(kStep);
+    CHECK(m.shown(0) == 0.0);
+    says(0.0), says(1.0);
+    m.step(kStep);
+    CHECK(m.shown(0) == 2.0);
+    CHECK(m.meterOf(0).raw == 1.0);
+    // After panic it is off again.
+    m.letGo();
+    stepFor(m, InputMapper::kGlideToRest);
+    says(0.0);
+    stepFor(m, 0.5);
+    CHECK(m.shown(0) == 0.0);
+}
+
 TEST_CASE("mapper: a component that a value lacks, or a number that is not finite, is not heard") {
     InputRow second = rowOf("pad", "stick");
     second.component = 1;

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "core/input/devices.h"
+#include "core/live/direct_names.h"
 #include "core/live/hearing_thread.h"
 #include "core/live/input_feed.h"
 #include "tests/document/workbench.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/document/document_change.h"
+#include "core/live/direct_names.h"
 #include "core/live/input_feed.h"
 #include "ui/models/commands.h"
 #include "ui/models/mapping_texts.h"
@@ -40,7 +41,7 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
     timer_.setInterval(kTellMs);
     connect(&timer_, &QTimer::timeout, this, &InputDeck::tell);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
+        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || change.poses || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
         const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
         if (devices || (driven && listens())) followSoon();
         // Another project is not performed by what was learned for the last one.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/live/live_input.h"
 #include "core/mesh/render_model.h"
@@ -100,6 +101,7 @@ TargetText targetText(const Document& document, const std::string& target) {
             said.trigger = true;
             said.thing = found->kind == TargetKind::LetGo ? MappingTexts::tr("Let everything go") : triggerText(QString::fromStdString(document.takes.at(found->take)->name), found->kind == TargetKind::PlayTake);
             return said;
+        case TargetKind::Pose: said.thing = MappingTexts::tr("Pose “%1”", "a kept pose").arg(QString::fromStdString(keptPoses(document)[found->pose].name)); break;
         case TargetKind::Morph: said.thing = QString::fromStdString(document.characters.at(found->morph.character)->model->morphs[std::size_t(found->morph.target)].name); break;
     }
     if (places(found->kind)) {
@@ -174,6 +176,11 @@ std::vector<DrivenThing> drivenThings(const Document& document) {
         for (const auto& morph : character->model->morphs) thing.numbers.emplace_back(QString::fromStdString(morph.name), "morph/" + character->name + "/" + morph.name);
         things.push_back(std::move(thing));
     }
+    if (!keptPoses(document).empty()) {
+        DrivenThing thing{MappingTexts::tr("Poses"), QStringLiteral("pose"), {}};
+        for (const KeptPose& pose : keptPoses(document)) thing.numbers.emplace_back(QString::fromStdString(pose.name), "pose/" + pose.name + "/weight");
+        things.push_back(std::move(thing));
+    }
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto kind = EffectKind(k);
         if (!document.effects.has(kind)) continue;
@@ -210,7 +217,7 @@ std::pair<double, double> usualReach(const Document& document, const MappedTarge
         return {std::clamp(twoSided ? now - way : now, property.low, property.high), std::clamp(now + way, property.low, property.high)};
     }
     const double reach = places(target.kind) ? rounded(kReachOfSize * sizeOf(document)) : turns(target.kind) ? kReachTurn : 1.0;
-    return {twoSided && target.kind != TargetKind::Morph && !target.isTrigger() ? -reach : 0.0, reach};
+    return {twoSided && target.kind != TargetKind::Morph && target.kind != TargetKind::Pose && !target.isTrigger() ? -reach : 0.0, reach};
 }
 
 }  // namespace imomushi

@@ -42,7 +42,7 @@ LearnBar::LearnBar(StudioDocument& document, InputDeck& inputs, QWidget* parent)
     connect(use_, &QPushButton::clicked, &inputs, &InputDeck::takeCandidate);
     connect(stop_, &QPushButton::clicked, &inputs, &InputDeck::stopLearning);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        if (change.unknown || !change.elements.empty() || !change.bones.empty() || !change.characters.empty() || change.effects || !change.takes.empty()) fillThings();
+        if (change.unknown || !change.elements.empty() || !change.bones.empty() || !change.characters.empty() || change.effects || change.poses || !change.takes.empty()) fillThings();
     });
     connect(&document, &StudioDocument::selectionChanged, this, &LearnBar::followSelection);
     connect(&inputs, &InputDeck::changed, this, &LearnBar::follow);

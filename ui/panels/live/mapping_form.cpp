@@ -152,6 +152,17 @@ void MappingForm::rebuild() {
     grid_->addWidget(silence_, 4, 1);
     addNumber(4, 2, tr("Silent after"), "after", tr("Silent after so many seconds; 0: never."), spec(0.0, InputMapping::kLongestAfter, 0.05, 1, QStringLiteral("s"), 1.0, 0.0), [](const InputMapping& m) { return m.row.after; },
               [](InputMapping& m, double v) { m.row.after = v; });
+
+    label(5, 0, tr("A press"));
+    auto* press = named(new QComboBox(body_), "press");
+    press->addItems({tr("Counts while it is held"), tr("Switches on and off")});
+    press->setAccessibleName(tr("A press"));
+    press->setToolTip(tr("A button that is pressed counts while it is held, or switches: pressed once it is on, pressed again it is off."));
+    press->setSizePolicy(QSizePolicy::Ignored, press->sizePolicy().verticalPolicy());
+    press->setEnabled(!target.trigger);
+    connect(press, &QComboBox::activated, this, [this](int i) { execute([i](InputMapping& m) { m.row.toggles = i == 1; }); });
+    refreshers_.push_back([press](const InputMapping& m) { press->setCurrentIndex(m.row.toggles ? 1 : 0); });
+    grid_->addWidget(press, 5, 1, 1, 2);
     for (const int column : {1, 2}) grid_->setColumnStretch(column, 1);
 
     fill(new QVBoxLayout(body_), QMargins(0, 0, 0, 0), Spacing{px(6)}, title_, grid_, conflict_, Stretch{});
