@@ -20,7 +20,7 @@ random.seed(1)
 
 sender.send("/imomushi/list")
 names = []
-while answer := sender.receive(3.0):
+while answer := sender.receive(30.0):  # a busy machine takes its time
     if answer[0] == "/imomushi/names":
         break
     names.append(answer[1])
