@@ -431,6 +431,22 @@
             <source>Steps to snap &amp;to…</source>
             <translation>スナップの刻み(&amp;T)…</translation>
         </message>
+        <message>
+            <source>Show the gi&amp;zmo</source>
+            <translation>ギズモを表示(&amp;Z)</translation>
+        </message>
+        <message>
+            <source>Axes of the &amp;world</source>
+            <translation>ワールドの軸(&amp;W)</translation>
+        </message>
+        <message>
+            <source>Axes of what is se&amp;lected</source>
+            <translation>選択したものの軸(&amp;L)</translation>
+        </message>
+        <message>
+            <source>Axes of the &amp;view</source>
+            <translation>ビューの軸(&amp;V)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -2358,6 +2374,38 @@
         <message>
             <source>To %1</source>
             <translation>%1 へ</translation>
+        </message>
+        <message>
+            <source>Drag: move freely</source>
+            <translation>ドラッグ：自由に動かす</translation>
+        </message>
+        <message>
+            <source>Drag: turn about the view</source>
+            <translation>ドラッグ：視線のまわりに回す</translation>
+        </message>
+        <message>
+            <source>Drag: move along %1</source>
+            <translation>ドラッグ：%1 に沿って動かす</translation>
+        </message>
+        <message>
+            <source>Drag: move across %1</source>
+            <translation>ドラッグ：%1 に垂直な面で動かす</translation>
+        </message>
+        <message>
+            <source>Drag: turn about %1</source>
+            <translation>ドラッグ：%1 のまわりに回す</translation>
+        </message>
+        <message>
+            <source>Drag: scale along %1</source>
+            <translation>ドラッグ：%1 に沿って拡大縮小</translation>
+        </message>
+        <message>
+            <source>Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
+            <translation>数値を入力 · Shift：細かく · Ctrl：スナップ · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Release: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
+            <translation>離す：確定 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · Esc：取り消し</translation>
         </message>
     </context>
     <context>
@@ -4373,6 +4421,10 @@
         <message>
             <source>S&amp;nap</source>
             <translation>スナップ(&amp;N)</translation>
+        </message>
+        <message>
+            <source>Gi&amp;zmo</source>
+            <translation>ギズモ(&amp;Z)</translation>
         </message>
     </context>
     <context>

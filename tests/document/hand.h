@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/commands/session.h"
+#include "core/document/kept_pose.h"
 
 namespace imomushi {
 
@@ -22,7 +23,7 @@ public:
         if (d.elements.size() < 2 || (d.elements.size() < 6 && below(12) == 0)) return import();
         if (d.bones.size() < 2 && below(2)) return below(2) ? addFace() : Json{{"do", "add-bone"}, {"name", name()}, {"from", face()}, {"to", face()}};
         if (d.takes.empty() && below(6) == 0) return {{"do", "record"}, {"take", "take"}, {"action", below(2) ? "start" : "stop"}};
-        switch (below(34)) {
+        switch (below(38)) {
             case 0: return addFace();
             case 1:
             case 2: return {{"do", "join"}, {"a", face()}, {"b", face()}};
@@ -56,6 +57,10 @@ public:
             case 30: return {{"do", "duplicate"}, {"names", {below(2) ? element() : bone()}}};
             case 31: return {{"do", "mirror"}, {"from", {below(2) ? element() : bone()}}};
             case 32: return {{"do", one({"undo", "redo"})}, {"count", 1 + below(4)}};
+            case 33: return below(2) ? Json{{"do", "keep-pose"}} : Json{{"do", "keep-pose"}, {"name", name()}};
+            case 34: return {{"do", "apply-pose"}, {"name", pose()}, {"share", number(-0.1, 1.1)}, {"mirrored", below(2) == 0}};
+            case 35: return below(2) ? Json{{"do", "mirror-pose"}} : Json{{"do", "rest-bones"}, {"bones", {bone()}}, {"chain", below(2) == 0}};
+            case 36: return below(2) ? Json{{"do", "set"}, {"target", handle()}, {"property", "point"}, {"value", vertex()}} : below(2) ? Json{{"do", "rename-pose"}, {"pose", pose()}, {"name", name()}} : Json{{"do", "remove-pose"}, {"pose", pose()}};
             default: return below(4) ? Json{{"do", "redo"}} : Json{{"do", "precompute"}};
         }
     }
@@ -70,6 +75,10 @@ private:
     std::string element() { return nameIn(session_.document().elements, "nobody"); }
     std::string bone() { return nameIn(session_.document().bones, "no bone"); }
     std::string take() { return nameIn(session_.document().takes, "no take"); }
+    std::string pose() {
+        const KeptPoses& poses = keptPoses(session_.document());
+        return poses.empty() || below(40) == 0 ? "no pose" : poses[below(poses.size())].name;
+    }
     std::string face() {
         const auto& elements = session_.document().elements;
         const auto& e = *std::next(elements.begin(), static_cast<std::ptrdiff_t>(below(elements.size())))->second;

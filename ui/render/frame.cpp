@@ -54,7 +54,9 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     double extent = radius;  // of the sphere that holds all, markers too
     for (const GpuBody* gpu : drawn)
         if (gpu && gpu->surface >= 0) extent = std::max(extent, (gpu->high.cast<double>() - centre).cwiseMax(centre - gpu->low.cast<double>()).norm());
-    for (const Marker& m : scene.markers) extent = std::max({extent, (m.from - centre).norm() * 1.2, (m.to - centre).norm() * 1.2});
+    const double slope = camera.orthographic ? 0.0 : 2.0 * std::tan(0.5 * camera.fov) / height, flat = camera.orthographic ? camera.orthoHeight / height : 0.0;
+    const auto reachOf = [&](const Marker& m) { return m.shape == Marker::Shape::Gizmo ? GizmoSizes::kReach * scene.unit() * (flat + slope * (m.from - camera.eye).norm()) : 0.0; };
+    for (const Marker& m : scene.markers) extent = std::max({extent, (m.from - centre).norm() * 1.2 + reachOf(m), (m.to - centre).norm() * 1.2});
     const Eigen::Matrix4d projection = camera.projection(aspect, centre, extent);
 
     FrameBlock& b = block;
@@ -110,7 +112,7 @@ void Frame::set(const Scene& scene, const std::vector<GpuBody*>& drawn, int widt
     for (const Marker& m : scene.markers) {
         const double length = (m.to - m.from).norm();
         const Vec3 r = Vec3::Constant(m.shape == Marker::Shape::Bone ? 0.1 * length : m.shape == Marker::Shape::PlaneGizmo ? 1.5 * length : 0.0);
-        const double pixels = 24.0 * scene.unit();
+        const double pixels = (m.shape == Marker::Shape::Gizmo ? GizmoSizes::kReach : 24.0) * scene.unit();
         if (m.shape == Marker::Shape::FaceOutline)
             for (const Vec3& p : m.outline) cover(p, p, pixels);
         else if (m.shape == Marker::Shape::Bone || m.shape == Marker::Shape::PlaneGizmo || m.shape == Marker::Shape::Axis)

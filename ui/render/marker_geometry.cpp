@@ -44,9 +44,8 @@ Basis basisOf(const Vec3& direction) {
     return b;
 }
 
-Vector3f axisColor(const Vec3& direction) {
-    Eigen::Index axis = 0;
-    direction.cwiseAbs().maxCoeff(&axis);
+Vector3f axisColor(const Vec3& direction, Eigen::Index axis = -1) {
+    if (axis < 0) direction.cwiseAbs().maxCoeff(&axis);
     return axis == 0 ? linear(226, 88, 88) : axis == 1 ? linear(120, 190, 80) : linear(86, 140, 236);
 }
 
@@ -111,6 +110,72 @@ void addPolyline(const std::vector<Vec3>& p, bool closed, const Vector4f& color,
     }
 }
 
+void addBox(const Vec3& middle, const Eigen::Matrix3d& axes, double half, const Vector4f& color, std::vector<SolidVertex>& out) {
+    for (int k = 0; k < 3; ++k)
+        for (const double side : {-1.0, 1.0}) {
+            const Vec3 n = side * half * axes.col(k), a = half * axes.col((k + 1) % 3), b = side * half * axes.col((k + 2) % 3);
+            addTriangle(out, middle + n - a - b, middle + n + a - b, middle + n + a + b, color, kGizmoBehind);
+            addTriangle(out, middle + n - a - b, middle + n + a + b, middle + n - a + b, color, kGizmoBehind);
+        }
+}
+
+/// `metres`: that a pixel of the design covers there.
+void addGizmo(const Vec3& at, const GizmoLook& look, const Scene& scene, double metres, MarkerGeometry& out) {
+    using Sizes = GizmoSizes;
+    const float unit = scene.unit();
+    const Camera& camera = scene.camera;
+    const Vec3 view = (camera.orthographic ? Vec3(camera.target - camera.eye) : Vec3(at - camera.eye)).normalized();
+    const auto color = [&](int axis, GizmoPart part, double alpha) {
+        const Vector3f own = axis < 0 ? (scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98)) : axisColor({}, axis);
+        return with(look.hovered == part ? selectionColor() : own, float(alpha));
+    };
+    const auto wide = [&](GizmoPart part, float half) { return Vector3f((look.hovered == part ? 1.6f : 1.0f) * half * unit, 0.0f, kGizmoBehind); };
+    std::vector<Vec3> line;
+    if (look.turns) {
+        for (int k = 0; k < 3; ++k) {
+            const double fade = planeFade(look.axes.col(k), view);
+            if (fade <= 0.0) continue;
+            const GizmoPart part = partOf(GizmoPart::RingX, k);
+            const Vec3 a = look.axes.col((k + 1) % 3), b = look.axes.col((k + 2) % 3);
+            // The half that faces the viewer, from one of its ends.
+            const double first = std::atan2(b.dot(view), a.dot(view)) + 0.5 * std::numbers::pi;
+            line.clear();
+            for (int i = 0; i <= Sizes::kSides / 2; ++i) {
+                const double angle = first + 2.0 * std::numbers::pi * i / Sizes::kSides;
+                line.push_back(at + metres * Sizes::kRing * (std::cos(angle) * a + std::sin(angle) * b));
+            }
+            addPolyline(line, false, color(k, part, 0.9 * fade), wide(part, 1.4f), out.lines);
+        }
+        const Basis b = basisOf(view);
+        line.clear();
+        for (int i = 0; i < Sizes::kSides; ++i) {
+            const double angle = 2.0 * std::numbers::pi * i / Sizes::kSides;
+            line.push_back(at + metres * Sizes::kRingView * (std::cos(angle) * b.x + std::sin(angle) * b.y));
+        }
+        addPolyline(line, true, color(-1, GizmoPart::RingView, 0.6), wide(GizmoPart::RingView, 1.0f), out.lines);
+    }
+    for (int k = 0; k < 3 && look.moves; ++k) {
+        const Vec3 axis = look.axes.col(k);
+        if (const double fade = axisFade(axis, view); fade > 0.0) {
+            const GizmoPart part = partOf(GizmoPart::AxisX, k);
+            const Vec3 neck = at + Sizes::kNeck * metres * axis;
+            addPolyline({at + Sizes::kStem * metres * axis, neck}, false, color(k, part, fade), wide(part, 1.5f), out.lines);
+            addCone(neck, at + Sizes::kTip * metres * axis, (look.hovered == part ? 6.5 : 5.5) * metres, color(k, part, fade), out.gizmo);
+            const GizmoPart scale = partOf(GizmoPart::ScaleX, k);
+            if (look.scales) addBox(at + Sizes::kScale * metres * axis, look.axes, (look.hovered == scale ? 1.3 : 1.0) * Sizes::kBox * metres, color(k, scale, fade), out.gizmo);
+        }
+        if (const double fade = planeFade(axis, view); fade > 0.0) {
+            const GizmoPart part = partOf(GizmoPart::PlaneX, k);
+            std::vector<Vec3> corners;
+            for (const Vec3& corner : gizmoPlane(look.axes, k, view)) corners.push_back(at + metres * corner);
+            addDisc(corners, color(k, part, (look.hovered == part ? 0.6 : 0.32) * fade), kGizmoBehind, out.sheets);
+            addPolyline(corners, true, color(k, part, 0.9 * fade), wide(part, 0.8f), out.lines);
+        }
+    }
+    const bool middle = look.hovered == GizmoPart::Middle;
+    out.points.push_back({at.cast<float>(), Vector3f((middle ? 8.5f : 7.0f) * unit, 0.0f, kGizmoBehind), color(-1, GizmoPart::Middle, 1.0)});
+}
+
 /// The corners of a gizmo plane.
 void planeCorners(const Marker& m, Vec3 (&corner)[4]) {
     const Basis b = basisOf(m.to - m.from);
@@ -136,6 +201,7 @@ Vector3f hoverColor() { return linear(150, 208, 255); }
 void MarkerGeometry::build(const Scene& scene, int height) {
     bones.clear();
     sheets.clear();
+    gizmo.clear();
     lines.clear();
     points.clear();
     const float unit = scene.unit();
@@ -185,13 +251,16 @@ void MarkerGeometry::build(const Scene& scene, int height) {
                 addCone(m.to - 12.0 * mpp * (m.to - m.from).normalized(), m.to, 4.5 * mpp, with(colored(sky), 1.0f), bones);
                 break;
             }
+            case Marker::Shape::Gizmo:
+                if (m.gizmo) addGizmo(m.from, *m.gizmo, scene, metresPerPixel(scene.camera, height, m.from) * unit, *this);
+                break;
             case Marker::Shape::Axis: {
                 const Vec3 d = m.to - m.from;
                 if (d.norm() < 1e-9) break;
                 const double mpp = metresPerPixel(scene.camera, height, m.to) * unit;
                 const Vec3 neck = m.to - 13.0 * mpp * d.normalized();
-                addPolyline({m.from, neck}, false, with(colored(axisColor(d)), 1.0f), Vector3f(1.3f * grow * unit, 0.0f, kGizmoBehind), lines);
-                addCone(neck, m.to, 5.0 * grow * mpp, with(colored(axisColor(d)), 1.0f), bones);
+                addPolyline({m.from, neck}, false, with(colored(axisColor(d, m.axis)), 1.0f), Vector3f(1.3f * grow * unit, 0.0f, kGizmoBehind), lines);
+                addCone(neck, m.to, 5.0 * grow * mpp, with(colored(axisColor(d, m.axis)), 1.0f), bones);
                 break;
             }
         }
@@ -254,7 +323,8 @@ int pickMarker(const Scene& scene, int width, int height, double x, double y, do
                 if (screen.at(m.from, p) && (p - q).norm() <= radius) offer(i, 0, (p - q).norm(), m.from);
                 break;
             }
-            case Marker::Shape::SnapMark: break;
+            case Marker::Shape::SnapMark:
+            case Marker::Shape::Gizmo: break;
             case Marker::Shape::Axis: {
                 const double d = segmentDistance(screen, m.from, m.to, q, t);
                 if (d <= 1.3 * unit + reach) offer(i, 1, d, m.from + t * (m.to - m.from));

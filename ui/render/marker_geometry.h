@@ -31,6 +31,7 @@ struct PointSprite {
 struct MarkerGeometry {
     std::vector<SolidVertex> bones;   ///< triangles, opaque
     std::vector<SolidVertex> sheets;  ///< triangles, translucent
+    std::vector<SolidVertex> gizmo;   ///< triangles, over all of these
     std::vector<LineSegment> lines;
     std::vector<PointSprite> points;
     void build(const Scene& scene, int height);

@@ -74,6 +74,15 @@ void MarkerPass::draw(const PassInput& in, GLuint surface) {
         glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
     };
     drawQuads(line_, lineArray_, lineBuffer_, geometry_.lines);
+    if (!geometry_.gizmo.empty()) {
+        glClear(GL_DEPTH_BUFFER_BIT);
+        glEnable(GL_DEPTH_TEST);
+        solid_.use();
+        glBindVertexArray(solidArray_);
+        stream(solidBuffer_, geometry_.gizmo);
+        glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(geometry_.gizmo.size()));
+        glDisable(GL_DEPTH_TEST);
+    }
     drawQuads(point_, pointArray_, pointBuffer_, geometry_.points);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/mesh/mesh.h"
 #include "ui/render/camera.h"
+#include "ui/render/gizmo.h"
 
 namespace imomushi {
 struct DeformInput;
@@ -49,16 +50,19 @@ struct Seam {
 ///   Bone         tapered octahedron from `from` to `to`
 ///   JointPoint   ring at `from`; HeldPoint: disc in a ring; PinnedPoint: diamond
 ///   SnapMark     square ring at `from`: what is dragged goes there
+///   Gizmo        `gizmo` around `from`, of constant size
 ///   FaceOutline  glowing closed polyline `outline` (the last point joins the first), with a translucent disc in it if it is `filled`
 ///   PlaneGizmo   translucent square around `from`, half as wide as `to` is away, with an arrow along its normal to `to`
 ///   Axis         arrow from `from` to `to`, in the colour of the world axis nearest to its direction
 struct Marker {
-    enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, SnapMark, FaceOutline, PlaneGizmo, Axis } shape = Shape::JointPoint;
+    enum class Shape { Bone, JointPoint, HeldPoint, PinnedPoint, SnapMark, FaceOutline, PlaneGizmo, Axis, Gizmo } shape = Shape::JointPoint;
     std::uint64_t id = 0;            ///< what pick() answers; 0: not picked
     Vec3 from = Vec3::Zero(), to = Vec3::Zero();   ///< m, world, finite
     std::vector<Vec3> outline;       ///< FaceOutline only; m, world, finite
     bool selected = false, hovered = false;
     bool filled = false;             ///< FaceOutline only
+    int axis = -1;                   ///< Axis only: in whose colour, 0...2; -1: as it lies
+    std::shared_ptr<const GizmoLook> gizmo;  ///< Gizmo only
     bool refused = false;            ///< it cannot be done as it lies: in the colour of a warning
 };
 

@@ -21,15 +21,16 @@ bool AxisLock::key(int key, Qt::KeyboardModifiers modifiers) {
 }
 
 Vec3 AxisLock::confined(const Vec3& step) const {
-    Vec3 kept = step;
+    if (free()) return step;
+    Vec3 kept = axes_.transpose() * step;
     for (int k = 0; k < 3; ++k)
         if (!moves(k)) kept[k] = 0.0;
-    return kept;
+    return axes_ * kept;
 }
 
 Vec3 AxisLock::plane(const PointerEvent& e) const {
     if (free()) return e.viewForward;
-    const Vec3 a = Vec3::Unit(axis_);
+    const Vec3 a = direction();
     if (across_) return std::abs(a.dot(e.viewForward)) > kEndOn ? a : Vec3(Vec3::Zero());
     // It holds the axis, and faces the viewer as far as it can.
     const Vec3 n = e.viewForward - a.dot(e.viewForward) * a;
@@ -45,9 +46,10 @@ std::string AxisLock::axes() const {
 
 std::array<double, 3> AxisLock::toAxes(const Vec3& step) const {
     std::array<double, 3> values{};
+    const Vec3 along = axes_.transpose() * step;
     std::size_t i = 0;
     for (int k = 0; k < 3; ++k)
-        if (moves(k)) values[i++] = step[k];
+        if (moves(k)) values[i++] = along[k];
     return values;
 }
 
@@ -56,7 +58,7 @@ Vec3 AxisLock::fromAxes(const std::array<double, 3>& values) const {
     std::size_t i = 0;
     for (int k = 0; k < 3; ++k)
         if (moves(k)) step[k] = values[i++];
-    return step;
+    return axes_ * step;
 }
 
 QString AxisLock::text(const PointerEvent& e) const {
@@ -75,8 +77,9 @@ void AxisLock::decorate(render::Scene& scene, const Vec3& origin) const {
         if (!moves(k)) continue;
         render::Marker line;
         line.shape = render::Marker::Shape::Axis;
-        line.from = origin - reach * Vec3::Unit(k);
-        line.to = origin + reach * Vec3::Unit(k);
+        line.from = origin - reach * axes_.col(k);
+        line.to = origin + reach * axes_.col(k);
+        line.axis = k;
         scene.markers.push_back(std::move(line));
     }
 }

@@ -60,6 +60,9 @@ bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e
     drag.points = std::move(points);
     drag.first = drag.last = e;
     drag.modal = modal;
+    const SelectionItem* item = document_.selection().empty() ? nullptr : &document_.selection().front();
+    const auto from = item ? endpointPosition(document_.session(), {item->part, false}) : std::nullopt, to = item ? endpointPosition(document_.session(), {item->part, true}) : std::nullopt;
+    drag.lock.setFrame(gizmoAxes(space_, from && to ? axesAlong(*to - *from) : Eigen::Matrix3d(Eigen::Matrix3d::Identity()), e.viewForward, e.viewRight));
     drag_ = std::move(drag);
     snap_.begin({[this](const EndpointRef& end) {
                      const int index = document_.session().pointIndex(end);
@@ -75,7 +78,7 @@ bool BoneDrag::press(const EndpointRef& end, const PointerEvent& e) {
     return point && start(Does::Moves, {std::move(*point)}, e, false);
 }
 
-bool BoneDrag::begin(Does does, const PointerEvent& e) {
+std::vector<BoneDrag::Point> BoneDrag::chosen() const {
     std::vector<Point> points;
     const auto add = [&](const EndpointRef& end) {
         auto point = pointOf(end);
@@ -86,7 +89,31 @@ bool BoneDrag::begin(Does does, const PointerEvent& e) {
         if (item.kind == SelectionItem::Kind::Bone)
             for (const bool atEnd : {false, true}) add({item.part, atEnd});
     }
-    return start(does, std::move(points), e, true);
+    return points;
+}
+
+bool BoneDrag::begin(Does does, const PointerEvent& e) { return start(does, chosen(), e, true); }
+
+std::optional<GizmoPlace> BoneDrag::gizmo() const {
+    const auto points = chosen();
+    if (points.empty()) return std::nullopt;
+    GizmoPlace place;
+    for (const Point& point : points) place.at += point.shown / double(points.size());
+    place.turns = place.scales = points.size() > 1;
+    const SelectionItem& item = document_.selection().front();
+    const auto from = endpointPosition(document_.session(), {item.part, false}), to = endpointPosition(document_.session(), {item.part, true});
+    if (from && to) place.local = axesAlong(*to - *from);
+    return place;
+}
+
+bool BoneDrag::press(render::GizmoPart part, const PointerEvent& e) {
+    using render::GizmoPart;
+    const bool turns = part == GizmoPart::RingView || render::isOneOf(part, GizmoPart::RingX), scales = render::isOneOf(part, GizmoPart::ScaleX);
+    if (!start(turns ? Does::Turns : scales ? Does::Scales : Does::Moves, chosen(), e, false)) return false;
+    for (const GizmoPart first : {GizmoPart::AxisX, GizmoPart::PlaneX, GizmoPart::RingX, GizmoPart::ScaleX})
+        if (render::isOneOf(part, first)) drag_->lock.lockTo(int(part) - int(first), first == GizmoPart::PlaneX);
+    choose(drag_->does);
+    return true;
 }
 
 void BoneDrag::choose(Does does) {
@@ -141,7 +168,7 @@ void BoneDrag::follow(const PointerEvent& before, const PointerEvent& e) {
     drag.angle += e.pace() * side * by;
 }
 
-Vec3 BoneDrag::turningAxis() const { return drag_->lock.alongAxis() ? Vec3(Vec3::Unit(drag_->lock.axis())) : Vec3(-drag_->last.viewForward); }
+Vec3 BoneDrag::turningAxis() const { return drag_->lock.alongAxis() ? drag_->lock.direction() : Vec3(-drag_->last.viewForward); }
 
 TypedNumber::Of BoneDrag::of() const {
     switch (drag_->does) {
@@ -242,7 +269,9 @@ QString BoneDrag::banner() const {
 
 QString BoneDrag::hint() const {
     return snap_.before(drag_->modal ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
-                                     : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: snap, and pass by joint faces · Esc: cancel"));
+                        : drag_->does != Does::Moves || drag_->points.size() > 1 || !drag_->lock.free()
+                            ? ToolTexts::tr("Release: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
+                            : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: snap, and pass by joint faces · Esc: cancel"));
 }
 
 void BoneDrag::decorate(render::Scene& scene) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ui/tools/axis_lock.h"
+#include "ui/tools/gizmo.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/typed_number.h"
@@ -18,7 +19,14 @@ public:
     enum class Does { Moves, Turns, Scales };
 
     explicit BoneDrag(StudioDocument& document) : document_(document), snap_(document) {}
-    void setSnap(const SnapSettings& settings) { snap_.set(settings); }
+    void setOptions(const ToolOptions& options) {
+        snap_.set(options.snap);
+        space_ = options.space;
+    }
+    /// Where the gizmo of what is selected stands; none: no bones are selected.
+    [[nodiscard]] std::optional<GizmoPlace> gizmo() const;
+    /// A part of it was pressed.
+    bool press(render::GizmoPart part, const PointerEvent& e);
     /// The end was pressed.
     bool press(const EndpointRef& end, const PointerEvent& e);
     /// Takes what is selected; the pointer leads without a button. False: no bones are selected.
@@ -66,6 +74,8 @@ private:
         std::optional<Place> near;
     };
     [[nodiscard]] std::optional<Point> pointOf(const EndpointRef& end) const;
+    /// Of what is selected.
+    [[nodiscard]] std::vector<Point> chosen() const;
     bool start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal);
     void choose(Does does);
     void follow(const PointerEvent& before, const PointerEvent& e);
@@ -79,6 +89,7 @@ private:
 
     StudioDocument& document_;
     Snap snap_;
+    GizmoSpace space_ = GizmoSpace::World;
     std::optional<Drag> drag_;
 };
 

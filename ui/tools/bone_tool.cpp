@@ -163,6 +163,11 @@ bool BoneTool::bonesSelected() const {
 void BoneTool::move(const PointerEvent& e) {
     last_ = e;
     if (drag_.busy()) return drag_.move(e, drag_.seeksPlace() ? placeUnder(e) : std::nullopt);
+    part_ = gizmoPart(e);
+    if (part_ != render::GizmoPart::None) {
+        hovered_.reset();
+        return document_.setHovered(std::nullopt);
+    }
     hovered_ = spotUnder(e);
     if (start_ && !stillThere(*start_)) start_.reset();
     std::optional<SelectionItem> item;
@@ -175,10 +180,19 @@ void BoneTool::move(const PointerEvent& e) {
     document_.setHovered(std::move(item));
 }
 
+render::GizmoPart BoneTool::gizmoPart(const PointerEvent& e) const {
+    const auto place = gizmo();
+    if (!place || (e.modifiers & Qt::ShiftModifier)) return render::GizmoPart::None;
+    PointerEvent seen = e;
+    seen.bonesVisible = true;
+    return pickEndpoint(document_.session(), seen) ? render::GizmoPart::None : gizmoUnder(e, *place, space_);
+}
+
 void BoneTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton) return;
     if (drag_.busy()) return (void)drag_.keep();
     move(e);
+    if (part_ != render::GizmoPart::None && drag_.press(part_, e)) return dragged_.reset();
     const auto* end = hovered_ && !(e.modifiers & Qt::ShiftModifier) ? std::get_if<EndpointRef>(&hovered_->place) : nullptr;
     if (end && drag_.press(*end, e)) {
         dragged_ = *end;
@@ -190,6 +204,7 @@ void BoneTool::press(const PointerEvent& e) {
 // An end that is there is dragged, or clicked: which of both is known when the button is let go.
 void BoneTool::release(const PointerEvent& e) {
     if (!drag_.busy() || drag_.modal() || e.button != Qt::LeftButton) return;
+    if (!dragged_) return (void)drag_.keep();
     const EndpointRef end = *dragged_;
     if (!drag_.keep()) return click(e);
     document_.select({SelectionItem{SelectionItem::Kind::Endpoint, end.bone, {}, end.atEnd}});
@@ -277,6 +292,7 @@ void BoneTool::cancel() {
 
 QString BoneTool::hint() const {
     if (drag_.busy()) return drag_.hint();
+    if (part_ != render::GizmoPart::None) return gizmoHint(part_);
     if (document_.document().elements.empty()) return ToolTexts::tr("Import a mesh first");
     if (start_) return ToolTexts::tr("Click: end of the bone · Esc: end the chain");
     if (hovered_ && std::holds_alternative<EndpointRef>(hovered_->place)) return ToolTexts::tr("Click: start of a bone · Drag: move this end");
@@ -287,6 +303,7 @@ QString BoneTool::hint() const {
 void BoneTool::decorate(render::Scene& scene) const {
     for (render::Body& body : scene.bodies) body.opacity = std::min(body.opacity, kXray);
     if (drag_.busy()) return drag_.decorate(scene);
+    if (const auto place = gizmo()) addGizmo(scene, *place, space_, part_);
     const auto point = [&](const Spot& spot) {
         render::Marker marker;
         marker.shape = render::Marker::Shape::JointPoint;

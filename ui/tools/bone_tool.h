@@ -16,11 +16,18 @@ namespace imomushi {
 class BoneTool : public Tool {
 public:
     explicit BoneTool(StudioDocument& document) : Tool(document), drag_(document) {}
-    void setOptions(const ToolOptions& options) override { drag_.setSnap(options.snap); }
+    void setOptions(const ToolOptions& options) override {
+        drag_.setOptions(options);
+        gizmo_ = options.gizmo;
+        space_ = options.space;
+    }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
-    void leave() override { hovered_.reset(); }
+    void leave() override {
+        hovered_.reset();
+        part_ = render::GizmoPart::None;
+    }
     bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
@@ -52,7 +59,15 @@ private:
     [[nodiscard]] std::optional<FaceRef> faceUnder(const PointerEvent& e) const;
     [[nodiscard]] bool bonesSelected() const;
 
+    /// The gizmo, where it is shown: not while a chain is being placed.
+    [[nodiscard]] std::optional<GizmoPlace> gizmo() const { return gizmo_ && !start_ && !drag_.busy() ? drag_.gizmo() : std::nullopt; }
+    /// What of it is under the pointer; an end of a bone there comes before its middle.
+    [[nodiscard]] render::GizmoPart gizmoPart(const PointerEvent& e) const;
+
     BoneDrag drag_;
+    bool gizmo_ = true;
+    GizmoSpace space_ = GizmoSpace::World;
+    render::GizmoPart part_ = render::GizmoPart::None;  ///< under the pointer
     std::optional<EndpointRef> dragged_;
     std::optional<Spot> start_, hovered_;
     std::optional<PointerEvent> last_;  ///< where keys begin

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
-#include <set>
 
 #include "core/base/finite.h"
 #include "core/commands/handle_commands.h"
@@ -55,6 +53,7 @@ void PoseTool::press(const PointerEvent& e) {
     if (modal() && e.button == Qt::LeftButton) return keep();
     if (busy() || e.button != Qt::LeftButton) return;
     letGo_.reset();
+    if (const auto part = gizmoPart(e); part != render::GizmoPart::None) return pull(part, e);
     if (!pickGrip(document_.session(), e) && part_.press(e)) return;
     if (const auto flesh = fleshUnder(e))
         flesh_ = Flesh{*flesh, e};
@@ -133,6 +132,7 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     drag.pressY = drag.lastY = e.y;
     drag.normal = e.viewForward;
     drag.grip = e.onPlane(at, drag.normal, at);
+    drag.lock.setFrame(gizmoAxes(options_.space, axesOf(grip), e.viewForward, e.viewRight));
     if (grip.isHandle()) {
         if (const auto pose = document_.session().poseOf(grip.handle)) drag.rotation = drag.fromRotation = pose->rotation;
     } else if (const auto held = document_.document().goals.find(grip.end); held != document_.document().goals.end()) {
@@ -142,41 +142,6 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     drag_ = std::move(drag);
     last_ = e;
     snap_.begin(moving());
-}
-
-Snap::Moving PoseTool::moving() const {
-    const Session& session = document_.session();
-    const Document& d = document_.document();
-    // Bones that share a joint point, or run through one element, hang together; elements that are joined, or pieces of one character, too.
-    auto bones = std::make_shared<std::set<PartId>>();
-    auto elements = std::make_shared<std::set<PartId>>();
-    const auto together = [&](PartId a, PartId b) {
-        const auto of = d.elements.find(a), other = d.elements.find(b);
-        return of != d.elements.end() && other != d.elements.end() && of->second->piece && other->second->piece && of->second->piece->character == other->second->piece->character;
-    };
-    if (drag_->end.isHandle()) elements->insert(drag_->end.handle.element);
-    else bones->insert(drag_->end.end.bone);
-    for (bool grows = true; grows;) {
-        const std::size_t before = bones->size() + elements->size();
-        std::set<int> points;
-        for (const auto& [id, bone] : d.bones) {
-            if (!bones->contains(id)) continue;
-            points.insert({session.pointIndex({id, false}), session.pointIndex({id, true})});
-            if (bone->element) elements->insert(bone->element);
-        }
-        points.erase(-1);
-        for (const auto& [id, bone] : d.bones)
-            if (points.contains(session.pointIndex({id, false})) || points.contains(session.pointIndex({id, true})) || elements->contains(bone->element)) bones->insert(id);
-        for (const auto& [id, joint] : d.joints) {
-            const bool any = std::any_of(joint->faces.begin(), joint->faces.end(), [&](const FaceRef& face) { return elements->contains(face.element); });
-            if (any)
-                for (const FaceRef& face : joint->faces) elements->insert(face.element);
-        }
-        for (const auto& [id, element] : d.elements)
-            if (std::any_of(elements->begin(), elements->end(), [&, one = id](PartId other) { return together(one, other); })) elements->insert(id);
-        grows = bones->size() + elements->size() > before;
-    }
-    return {[this, bones](const EndpointRef& end) { return bones->contains(end.bone) && !isPinned(document_.document(), {end, {}}); }, [elements](PartId element) { return elements->contains(element); }};
 }
 
 void PoseTool::move(const PointerEvent& e) {
@@ -192,6 +157,12 @@ void PoseTool::move(const PointerEvent& e) {
     }
     if (!drag_) {
         over_ = e;
+        hoveredPart_ = gizmoPart(e);
+        if (hoveredPart_ != render::GizmoPart::None) {
+            hovered_.reset();
+            overFlesh_ = false;
+            return document_.setHovered(std::nullopt);
+        }
         if (!pickGrip(document_.session(), e) && part_.hover(e)) {
             hovered_.reset();
             overFlesh_ = false;
@@ -217,7 +188,9 @@ void PoseTool::move(const PointerEvent& e) {
 void PoseTool::follow(const PointerEvent& e) {
     Drag& drag = *drag_;
     const double pace = e.pace();
-    if (turning_ || (e.modifiers & Qt::AltModifier)) {
+    if (drag.ring) {
+        turnAround(e);
+    } else if (turning_ || (e.modifiers & Qt::AltModifier)) {
         turn(e);
         if (drag.normal.norm() > 0.5) drag.grip = pointerOn(e, drag.grip, drag.normal);
     } else if (drag.normal.norm() > 0.5) {
@@ -236,12 +209,12 @@ void PoseTool::turn(const PointerEvent& e) {
     if (!drag.end.isHandle())
         drag.roll = drag.roll.value_or(0.0) + right;
     else if (drag.lock.alongAxis())
-        drag.rotation = (Eigen::AngleAxisd(right, Vec3::Unit(drag.lock.axis())) * drag.rotation).normalized();
+        drag.rotation = (Eigen::AngleAxisd(right, drag.lock.direction()) * drag.rotation).normalized();
     else
         drag.rotation = (Eigen::AngleAxisd(right, e.viewRight.cross(e.viewForward)) * Eigen::AngleAxisd(down, e.viewRight) * drag.rotation).normalized();
 }
 
-Vec3 PoseTool::turningAxis() const { return drag_->lock.alongAxis() ? Vec3(Vec3::Unit(drag_->lock.axis())) : Vec3(-last_->viewForward); }
+Vec3 PoseTool::turningAxis() const { return drag_->lock.alongAxis() ? drag_->lock.direction() : Vec3(-last_->viewForward); }
 
 double PoseTool::turned() const {
     const Drag& drag = *drag_;
@@ -419,7 +392,7 @@ bool PoseTool::type(int key, const QString& text) {
         keep();
         return true;
     }
-    const bool turns = drag_->typed.leads() ? drag_->typed.of() == TypedNumber::Of::Angle : turning_ || (last_->modifiers & Qt::AltModifier);
+    const bool turns = drag_->typed.leads() ? drag_->typed.of() == TypedNumber::Of::Angle : drag_->ring || turning_ || (last_->modifiers & Qt::AltModifier);
     if (!drag_->typed.key(key, text, turns ? TypedNumber::Of::Angle : TypedNumber::Of::Length, turns ? std::string() : drag_->lock.axes())) return false;
     if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
     issue(*last_);
@@ -476,6 +449,7 @@ QString PoseTool::hint() const {
     if (drag_)
         return snap_.before(document_.document().settings.bodyFollows > 0.0 ? ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk leans, too · Esc: cancel")
                                                                : ToolTexts::tr("X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk stays upright · Esc: cancel"));
+    if (hoveredPart_ != render::GizmoPart::None) return gizmoHint(hoveredPart_);
     const Document& d = document_.document();
     if (letGo_) return ToolTexts::tr("K: bring the temporary handle back and keep it");
     if (overFlesh_) return ToolTexts::tr("Drag: pull the body here");
@@ -488,6 +462,7 @@ QString PoseTool::hint() const {
 
 void PoseTool::decorate(render::Scene& scene) const {
     part_.decorate(scene);
+    if (const auto place = gizmo()) addGizmo(scene, *place, options_.space, hoveredPart_);
     if (!drag_) return;
     drag_->lock.decorate(scene, drag_->origin);
     snap_.decorate(scene);

@@ -5,6 +5,7 @@
 
 #include "ui/models/gesture.h"
 #include "ui/tools/axis_lock.h"
+#include "ui/tools/gizmo.h"
 #include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
@@ -24,6 +25,11 @@ public:
         options_ = options;
         snap_.set(options.snap);
     }
+    /// Whether it shows the gizmo at the selected end or handle, where the options want it.
+    void showGizmo(bool on) { gizmo_ = on; }
+    /// What of that is under the pointer.
+    [[nodiscard]] render::GizmoPart gizmoPart(const PointerEvent& e) const;
+    void leaveGizmo() { hoveredPart_ = render::GizmoPart::None; }
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
@@ -36,6 +42,7 @@ public:
     void leave() override {
         hovered_.reset();
         overFlesh_ = false;
+        hoveredPart_ = render::GizmoPart::None;
         part_.leave();
     }
     void doubleClick(const PointerEvent& e) override;
@@ -84,6 +91,7 @@ private:
         Eigen::Quaterniond fromRotation = Eigen::Quaterniond::Identity();
         std::optional<Passing> passing;
         bool modal = false;               ///< without a button
+        bool ring = false;                ///< the pointer turns it about its middle
         bool held = false;                ///< a command took hold of it
         std::optional<Aim> given;         ///< where the performance was told to take it since the last command
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
@@ -114,6 +122,8 @@ private:
     void bringBack();
     void follow(const PointerEvent& e);
     void turn(const PointerEvent& e);
+    void turnAround(const PointerEvent& e);
+    void pull(render::GizmoPart part, const PointerEvent& e);
     void issue(const PointerEvent& e);
     /// Typed numbers, and Enter, of a drag. True: used.
     bool type(int key, const QString& text);
@@ -126,7 +136,12 @@ private:
     /// What moves with the end or handle that is dragged, or may: the bodies and bones that hang together with it.
     [[nodiscard]] Snap::Moving moving() const;
 
+    [[nodiscard]] std::optional<GizmoPlace> gizmo() const;
+    [[nodiscard]] Eigen::Matrix3d axesOf(const PoseGrip& grip) const;
+
     PartDrag part_;
+    bool gizmo_ = false;
+    render::GizmoPart hoveredPart_ = render::GizmoPart::None;
     Snap snap_;
     ToolOptions options_;
     std::optional<PoseGrip> hovered_;

@@ -92,6 +92,7 @@ void SelectTool::press(const PointerEvent& e) {
     if (pose_.modal()) return pose_.press(e);
     if (busy()) return;
     // What is selected is what is meant.
+    if (pose_.gizmoPart(e) != render::GizmoPart::None) return pose_.press(e);
     if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     const auto item = pickItem(document_.session(), e);
     if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
@@ -116,7 +117,12 @@ void SelectTool::move(const PointerEvent& e) {
         part_.move(e);
     } else if (busy()) {
         pose_.move(e);
+    } else if (overGizmo_ = e.buttons == Qt::NoButton && pose_.gizmoPart(e) != render::GizmoPart::None; overGizmo_) {
+        overCut_ = false;
+        part_.leave();
+        pose_.move(e);
     } else if (e.buttons == Qt::NoButton) {
+        pose_.leaveGizmo();
         const auto item = pickItem(document_.session(), e);
         overCut_ = cut_.over(e);
         if (overCut_ || (item && (isGrip(document_, *item) || isBone(*item))))
@@ -177,7 +183,7 @@ QString SelectTool::hint() const {
     if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (cut_.busy() || overCut_) return cut_.hint();
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
-    if (busy()) return pose_.hint();
+    if (busy() || overGizmo_) return pose_.hint();
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");
     if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Shift: add");

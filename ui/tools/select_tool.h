@@ -12,9 +12,9 @@ namespace imomushi {
 /// attached parts are turned.
 class SelectTool : public Tool {
 public:
-    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document) {}
+    explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document) { pose_.showGizmo(true); }
     void setOptions(const ToolOptions& options) override {
-        pose_.setOptions({{}, options.snap});
+        pose_.setOptions({{}, options.snap, options.gizmo, options.space});
         cut_.setSnap(options.snap);
     }
     void press(const PointerEvent& e) override;
@@ -26,7 +26,11 @@ public:
     [[nodiscard]] bool modal() const override { return cut_.modal() || pose_.modal(); }
     void keyReleased(int key) override { pose_.keyReleased(key); }
     void cancel() override;
-    void leave() override { part_.leave(); }
+    void leave() override {
+        part_.leave();
+        pose_.leaveGizmo();
+        overGizmo_ = false;
+    }
     [[nodiscard]] bool busy() const override { return drag_ || cut_.busy() || part_.busy() || pose_.busy(); }
     [[nodiscard]] QString hint() const override;
     [[nodiscard]] QString banner() const override { return cut_.busy() ? cut_.banner() : part_.busy() ? part_.banner() : pose_.banner(); }
@@ -46,6 +50,7 @@ private:
     PoseTool pose_;
     CutDrag cut_;
     PartDrag part_;
+    bool overGizmo_ = false;
     bool overCut_ = false;  // the pointer is over the plane of the selected cut
     std::optional<Drag> drag_;
     std::optional<PointerEvent> last_;  // where keys begin

@@ -20,11 +20,16 @@ struct SnapSettings {
     bool operator==(const SnapSettings&) const = default;
 };
 
+/// The axes of the gizmo, and of X, Y and Z while something is dragged: of the world, of what is selected, of the view.
+enum class GizmoSpace { World, Local, View };
+
 /// What an artist chose for tools.
 struct ToolOptions {
     /// Flesh of these elements that is dragged gets a passing handle there: they are soft within a moment. The nearest bone or handle moves that of others. Empty: of all.
     std::function<bool(const Element&)> passingHandles = {};
     SnapSettings snap = {};
+    bool gizmo = true;
+    GizmoSpace space = GizmoSpace::World;
 };
 
 }  // namespace imomushi

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/action_states.h"
 
+#include <QCoreApplication>
 #include <QLocale>
 #include <algorithm>
 
@@ -82,6 +83,7 @@ void ActionStates::update() {
     for (const char* id : {"keep-pose", "mirror-pose"}) a.allow(id, poses, tr("There are no bones and no handles yet."));
     for (const char* id : {"rest-bones", "rest-chain"}) a.allow(id, count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));
     for (int n = 1; n <= 9; ++n) a.allow(QByteArray("pose-").append(QByteArray::number(n)).constData(), keptPoses(d).size() >= std::size_t(n), tr("So many poses are not kept yet."));
+    namePoses();
     const bool stale = std::any_of(d.elements.begin(), d.elements.end(), [&](const auto& e) {
         return !e.second->faces.empty() && session.responseState(e.first) != Session::ResponseState::Fresh;
     });
@@ -94,6 +96,18 @@ void ActionStates::update() {
     a[kThemeActions[std::size_t(Appearance::instance().theme())]]->setChecked(true);
     a[QLocale().language() == QLocale::Japanese ? "language-ja" : "language-en"]->setChecked(true);
     Q_EMIT updated();
+}
+
+// The menu says which pose each number brings back.
+void ActionStates::namePoses() {
+    const KeptPoses& poses = keptPoses(document_.document());
+    for (const ActionSet::Entry& entry : actions_.entries()) {
+        if (!entry.id.startsWith("pose-")) continue;
+        const std::size_t n = entry.id.mid(5).toUInt();
+        QString text = QCoreApplication::translate("Actions", entry.text);
+        if (n <= poses.size()) text = QStringLiteral("&%1  %2").arg(n).arg(QString::fromStdString(poses[n - 1].name).replace(u'&', QStringLiteral("&&")));
+        entry.action->setText(text);
+    }
 }
 
 void ActionStates::updateSteps() {

@@ -24,6 +24,7 @@ signals:
 
 private:
     void updateSoon();  ///< several changes of one event are shown once
+    void namePoses();
     void updateSteps();
     void updateTakes();
 

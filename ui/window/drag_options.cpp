@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/drag_options.h"
 
+#include <QActionGroup>
 #include <QSettings>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,7 +21,8 @@ struct SnapRow {
 constexpr SnapRow kSnapRows[] = {{"snap", &SnapSettings::on},           {"snap-grid", &SnapSettings::grid},     {"snap-angle", &SnapSettings::angle}, {"snap-vertices", &SnapSettings::vertices},
                                  {"snap-surface", &SnapSettings::surface}, {"snap-middle", &SnapSettings::middle}, {"snap-ends", &SnapSettings::ends}};
 
-const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles");
+const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles"), kGizmoKey = QStringLiteral("drag/gizmo"), kSpaceKey = QStringLiteral("drag/axes");
+constexpr const char* kSpaces[] = {"axes-world", "axes-local", "axes-view"};  // as GizmoSpace counts
 
 QString keyOf(const SnapRow& row) { return QStringLiteral("drag/") + QLatin1String(row.action); }
 
@@ -50,12 +53,34 @@ DragOptions::DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool
         QSettings().setValue(kAnywhereKey, on);
         tell();
     });
+    gizmo_ = settings.value(kGizmoKey, true).toBool();
+    actions["gizmo"]->setChecked(gizmo_);
+    connect(actions["gizmo"], &QAction::triggered, this, [this](bool on) {
+        gizmo_ = on;
+        QSettings().setValue(kGizmoKey, on);
+        tell();
+    });
+    space_ = GizmoSpace(std::clamp(settings.value(kSpaceKey, 0).toInt(), 0, 2));
+    auto* spaces = new QActionGroup(this);
+    for (int i = 0; i < 3; ++i) {
+        QAction* action = actions[kSpaces[i]];
+        spaces->addAction(action);
+        action->setChecked(int(space_) == i);
+        connect(action, &QAction::triggered, this, [this, i] {
+            settle_();
+            space_ = GizmoSpace(i);
+            QSettings().setValue(kSpaceKey, i);
+            tell();
+        });
+    }
     tell();
 }
 
 void DragOptions::tell() {
     ToolOptions options;
     options.snap = snap_;
+    options.gizmo = gizmo_;
+    options.space = space_;
     if (anywhere_) options.passingHandles = passing_;
     tools_.setOptions(std::move(options));
 }

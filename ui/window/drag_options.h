@@ -13,7 +13,7 @@ namespace imomushi {
 class ActionSet;
 class ToolHost;
 
-/// How things are dragged: the magnet and where it goes, and flesh that is taken anywhere. Kept in the settings of the studio.
+/// How things are dragged: the gizmo and its axes, the magnet and where it goes, and flesh that is taken anywhere. Kept in the settings of the studio.
 class DragOptions : public QObject {
     Q_OBJECT
 public:
@@ -31,6 +31,8 @@ private:
     QWidget* window_;
     SnapSettings snap_;
     bool anywhere_ = false;
+    bool gizmo_ = true;
+    GizmoSpace space_ = GizmoSpace::World;
 };
 
 }  // namespace imomushi

@@ -51,6 +51,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
     QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
     fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles"});
+    fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "axes-world", "axes-local", "axes-view"});
     snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
     fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
     fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});

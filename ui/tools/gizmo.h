@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ui/render/gizmo.h"
+#include "ui/tools/tool.h"
+
+namespace imomushi {
+
+/// Where the gizmo stands, and what it may do there.
+struct GizmoPlace {
+    Vec3 at = Vec3::Zero();                                  ///< m, world
+    Eigen::Matrix3d local = Eigen::Matrix3d::Identity();     ///< columns: axes of what is selected, unit
+    bool turns = false, scales = false;
+};
+
+/// The axes in which things are dragged. `forward`, `right`: of the view.
+Eigen::Matrix3d gizmoAxes(GizmoSpace space, const Eigen::Matrix3d& local, const Vec3& forward, const Vec3& right);
+/// Axes whose first one is `direction`, the second as nearly upright as it can be.
+Eigen::Matrix3d axesAlong(const Vec3& direction);
+
+/// What of it is under the pointer. What is seen end on, or from its edge, cannot be taken.
+render::GizmoPart gizmoUnder(const PointerEvent& e, const GizmoPlace& place, GizmoSpace space);
+void addGizmo(render::Scene& scene, const GizmoPlace& place, GizmoSpace space, render::GizmoPart hovered);
+/// What a press on the part does, translated; empty: nothing.
+QString gizmoHint(render::GizmoPart part);
+
+}  // namespace imomushi
