@@ -126,7 +126,7 @@ void addGizmo(const Vec3& at, const GizmoLook& look, const Scene& scene, double 
     const Camera& camera = scene.camera;
     const Vec3 view = (camera.orthographic ? Vec3(camera.target - camera.eye) : Vec3(at - camera.eye)).normalized();
     const auto color = [&](int axis, GizmoPart part, double alpha) {
-        const Vector3f own = axis < 0 ? (scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98)) : axisColor({}, axis);
+        const Vector3f own = axis < 0 ? (scene.darkTheme ? linear(232, 228, 216) : linear(72, 80, 98)) : axisColor(Vec3::Zero(), axis);
         return with(look.hovered == part ? selectionColor() : own, float(alpha));
     };
     const auto wide = [&](GizmoPart part, float half) { return Vector3f((look.hovered == part ? 1.6f : 1.0f) * half * unit, 0.0f, kGizmoBehind); };
