@@ -458,25 +458,27 @@ void InputDriver::hold(const LiveInput& held) {
     for (Driven& driven : driven_) {
         LiveInput& input = driven.input;
         if (!input.sameTarget(held)) continue;
-        if (std::exchange(driven.byHand, false))
+        const bool byHand = std::exchange(driven.byHand, false);
+        if (byHand)
             for (Turned& bone : turned_)
                 if (&driven_[bone.end] == &driven) pointAt(bone, held.target);
         driven.held = true;
+        // What only poses move was taken hold of where it is, and goes on by them.
+        const auto restarts = [&](int slot) { return slot >= 0 && (byHand || !driven.posed || mapper_.winner(slot) >= 0); };
         if (input.isNumber()) {
-            if (driven.slotNumbers[0] >= 0) mapper_.setByHand(driven.slotNumbers[0], false, held.weight - driven.addedWeight);
+            if (restarts(driven.slotNumbers[0])) mapper_.setByHand(driven.slotNumbers[0], false, held.weight - driven.addedWeight);
             input.weight = held.weight;
-            rebase(driven);
             continue;
         }
         input.target = held.target;
         input.rotation = held.rotation;
         input.roll = held.roll;
         driven.turn = rotationVector(held.rotation);
-        rebase(driven);
-        const Vec3 place = driven.base.target - driven.rest;
-        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : driven.baseTurn.x(), driven.baseTurn.y(), driven.baseTurn.z()};
+        if (byHand) rebase(driven);
+        const Vec3 place = held.target - driven.added - driven.rest, turn = driven.turn - driven.addedTurn;
+        const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : turn.x(), turn.y(), turn.z()};
         for (std::size_t k = 0; k < shown.size(); ++k)
-            if (driven.slotNumbers[k] >= 0) mapper_.setByHand(driven.slotNumbers[k], false, shown[k]);
+            if (restarts(driven.slotNumbers[k])) mapper_.setByHand(driven.slotNumbers[k], false, shown[k]);
     }
 }
 

@@ -54,6 +54,36 @@ TEST_CASE("pose weight: at 1 all joint points are where the pose has them, at 0 
     for (const auto& [point, place] : placesAfter(driver, plan)) CHECK((place - plan.input.skeleton.points[static_cast<std::size_t>(point)]).norm() < 1e-9);
 }
 
+TEST_CASE("pose weight: what is taken hold of a few steps later, where it still is, arrives where the pose has it") {
+    Actor a;
+    a.good({{"do", "drag"}, {"endpoint", "tip"}, {"to", {0.9, 0.2, 4.7}}});
+    a.good({{"do", "keep-pose"}, {"name", "reach"}});
+    a.good({{"do", "rest"}});
+    a.map("r", "pose/reach/weight");
+    const CharacterPlan& plan = a.session.plan();
+    InputDriver driver = a.driver();
+    REQUIRE(driver.take(valueOf("face", "w", {1.0})));
+    REQUIRE(driver.take(valueOf("face", "r", {1.0})));
+    for (int i = 0; i < 4; ++i)
+        for (LiveInput input : driver.step(kStep)) {
+            if (input.kind == LiveInput::Kind::End) input.target = plan.input.skeleton.points[static_cast<std::size_t>(plan.pointIndex(input.end))];
+            if (input.kind == LiveInput::Kind::Handle) input.target = a.session.document().elementNamed("B")->faces.back().frame.origin;
+            if (i == 3) driver.hold(input);
+        }
+    const int start = plan.pointIndex({a.session.document().boneNamed("a")->id, false});
+    std::map<int, Vec3> at;
+    Vec3 tip = Vec3::Zero();
+    for (int i = 0; i < 60; ++i)
+        for (const LiveInput& input : driver.step(kStep)) {
+            if (input.kind == LiveInput::Kind::End) at[plan.pointIndex(input.end)] = input.target;
+            if (input.kind == LiveInput::Kind::Handle) tip = input.target;
+        }
+    REQUIRE(at.contains(start));
+    CHECK((tip - Vec3(0.9, 0.2, 4.7)).norm() < 1e-9);
+    CHECK((a.bow.points[static_cast<std::size_t>(start)] - plan.input.skeleton.points[static_cast<std::size_t>(start)]).norm() > 0.3);
+    CHECK((at.at(start) - a.bow.points[static_cast<std::size_t>(start)]).norm() < 1e-9);
+}
+
 TEST_CASE("pose weight: half way bones are as long as the mean, and rolls are half of them") {
     Actor a;
     const CharacterPlan& plan = a.session.plan();
