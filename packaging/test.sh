@@ -7,7 +7,7 @@ root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)
 "$root/packaging/install.sh" test
 "$root/packaging/build.sh" all
 
-# Tests write tens of thousands of files. In memory, where there is room, nobody waits for a disk: a file that is written anew takes it milliseconds.
+# Tests write tens of thousands of files, and a disk needs milliseconds for each. They go to memory where there are 3 GB of it.
 room=$(df --output=avail /dev/shm 2>/dev/null | tail -1) || room=0  # kB
 if [ -z "${TMPDIR:-}" ] && [ "$room" -gt 3000000 ]; then
     TMPDIR=$(mktemp -d /dev/shm/imomushi-tests-XXXXXX)

@@ -4,16 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/input/input_triggers.h"
 #include "core/input/name_hash.h"
 
 namespace imomushi {
-
-namespace {
-
-/// A control that was pressed must come back by this part of its range before it can be pressed again: what trembles is pressed once.
-constexpr double kBack = 0.1;
-
-}  // namespace
 
 InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest) : rows_(std::move(rows)), heard_(rows_.size()), slots_(shown.size()), rowsOf_(shown.size()) {
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].shown = slots_[i].from = shown[i], slots_[i].rest = rest[i];
@@ -43,12 +37,12 @@ bool InputMapper::take(const InputValue& value) {
         const double number = value.numbers[static_cast<std::size_t>(component)];
         if (!InputValue::isSound(number)) continue;
         Heard& heard = heard_[listener.row];
-        heard.raw = heard.counts = number;
+        heard.raw = heard.meant = number;
         if (const InputRow& row = rows_[listener.row]; row.toggles) {
             const double part = (number - row.curve.inLow) / (row.curve.inHigh - row.curve.inLow);
-            if (part < 0.5 - kBack) heard.pressed = false;
+            if (part < 0.5 - InputTriggers::kBack) heard.pressed = false;
             else if (part > 0.5 && !std::exchange(heard.pressed, true)) heard.on = !heard.on;
-            heard.counts = heard.on ? row.curve.inHigh : row.curve.inLow;
+            heard.meant = heard.on ? row.curve.inHigh : row.curve.inLow;
         }
         heard.fresh = taken = true;
         ++heard.count;
@@ -63,7 +57,7 @@ void InputMapper::step(double seconds) {
         heard.returned = false;
         if (heard.fresh) {
             heard.returned = heard.silent || heard.gone;
-            if (!heard.known || heard.returned) heard.filtered.restart(heard.counts);  // what it knew is too old
+            if (!heard.known || heard.returned) heard.filtered.restart(heard.meant);  // what it knew is too old
             heard.known = true;
             heard.silent = heard.fresh = heard.gone = false;
             heard.age = 0.0;
@@ -71,7 +65,7 @@ void InputMapper::step(double seconds) {
             heard.age += seconds;
             heard.silent = heard.gone || (row.after > 0.0 && heard.age > row.after);
         }
-        if (heard.known) heard.value = row.curve.at(heard.filtered.follow(heard.counts, seconds, row.filter));
+        if (heard.known) heard.value = row.curve.at(heard.filtered.follow(heard.meant, seconds, row.filter));
     }
     for (std::size_t s = 0; s < slots_.size(); ++s) {
         Slot& slot = slots_[s];

@@ -78,7 +78,7 @@ public:
 private:
     struct Heard {
         double raw = 0.0, value = 0.0;
-        double counts = 0.0;   // what of the control counts: raw, or where presses have put it
+        double meant = 0.0;    // raw, or the end of the range where the last press has put it
         bool pressed = false, on = false;
         FilteredNumber filtered;
         std::uint64_t count = 0;

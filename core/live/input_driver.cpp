@@ -24,6 +24,8 @@ using Kind = MappedTarget::Kind;
 /// Direct names tell places within this, m: what is farther is not meant, and numbers keep their digits.
 constexpr double kFarthestDirect = 1e6;
 constexpr double kLargestDirectAngle = 100.0;  // radians
+/// Weights far beyond 1 shorten no bone to less than this part of its length at rest.
+constexpr double kShortest = 0.05;
 
 /// Which of Driven::slotNumbers a target is.
 std::size_t slotOf(const MappedTarget& target) {
@@ -140,7 +142,6 @@ struct InputDriver::Tables {
         made.now = wholeRotation(bone);
         made.untwisted = pose.frames[bone].normalized();
         made.turn = made.base = rotationVector((made.parentTurn.conjugate() * made.now).normalized());
-        driven[made.end].input.hasRoll = true;
         return &turned.emplace_back(made);
     }
 
@@ -399,11 +400,13 @@ void InputDriver::follow(Turned& bone) {
     const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
     bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
     Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
-    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * (parent->length() * bone.fromParent)) : start ? start->input.target : bone.startAt;
+    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * (parent->length * bone.fromParent)) : start ? start->input.target : bone.startAt;
     const bool moves = mine || poses_;  // else it only carries others
+    // A row that turns a bone gives it its length at rest; poses have lengths of their own.
+    bone.length = mine && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
     if (start && !parent && moves) start->moved = !start->byHand;  // held, too
     const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentUntwisted;
-    const Vec3 way = bone.now * (bone.length() * bone.along), direction = way.normalized();
+    const Vec3 way = bone.now * (bone.length * bone.along), direction = way.normalized();
     bone.untwisted = (minimalRotation(carried * bone.along.normalized(), direction) * carried).normalized();
     Driven& end = driven_[bone.end];
     LiveInput& input = end.input;
@@ -412,7 +415,7 @@ void InputDriver::follow(Turned& bone) {
     // Where something drives its place or roll themselves, that counts.
     if (!placed(end)) input.target = bone.startNow + way;
     if (end.slotNumbers[3] < 0 || mapper_.winner(end.slotNumbers[3]) < 0) input.roll = bone.rollSign * rotationVector(twist.w() < 0.0 ? Eigen::Quaterniond(-twist.coeffs()) : twist).dot(direction);
-    end.moved = true;
+    input.hasRoll = end.moved = true;
 }
 
 void InputDriver::forgetNumbers() {

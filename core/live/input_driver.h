@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <span>
 #include <string>
@@ -55,12 +54,12 @@ private:
         std::array<int, 3> slotNumbers{-1, -1, -1};
         Vec3 turn = Vec3::Zero();          ///< about its parent, a rotation vector
         Vec3 base = Vec3::Zero(), added = Vec3::Zero();  ///< the turn without poses, where no slot says it; what poses add
-        double baseLength = 1.0, longer = 0.0;           ///< over that at rest, the same; 1 and 0 without poses
+        double baseLength = 1.0, longer = 0.0;           ///< over that at rest, the same
         bool pinned = false;               ///< its end stays where it is pinned
-        [[nodiscard]] double length() const { return std::max(baseLength + longer, 0.05); }  ///< over that at rest
         // Of the last step
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
         Vec3 startNow = Vec3::Zero();
+        double length = 1.0;               ///< over that at rest
     };
     /// What is moved as one: a handle, an end of a bone, a morph target, a number of an effect.
     struct Driven {

@@ -191,3 +191,13 @@ TEST_CASE("pose weight: steps allocate nothing") {
     }
     CHECK(allocations() == before);
 }
+
+TEST_CASE("pose weight: a pose that nobody drives holds no roll of what is moved by its place") {
+    Actor a;
+    InputDriver driver = a.driver();
+    REQUIRE(driver.take(valueOf("osc", "/imomushi/bone/b/end/position", {0.3, 0.0, 5.5})));
+    const auto end = lastOf(driver, LiveInput::Kind::End);
+    REQUIRE(end);
+    CHECK((end->target - Vec3(0.3, 0.0, 5.5)).norm() < 1e-9);
+    CHECK(!end->hasRoll);
+}

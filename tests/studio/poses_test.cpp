@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Kept poses, by keys and in their panel.
-#include <QDialog>
 #include <QListWidget>
-#include <QSettings>
 #include <QSlider>
 
 #include "core/document/kept_pose.h"
 #include "tests/studio/window.h"
 #include "ui/panels/poses_panel.h"
-#include "ui/widgets/number_field.h"
 
 using namespace imomushi;
 
@@ -58,43 +55,6 @@ TEST_CASE("poses: Shift+K keeps the pose, Alt and its number bring it back, each
     // A pose that is not kept yet says so.
     CHECK(!w.window().actions()["pose-2"]->isEnabled());
     CHECK(!whyDisabled(*w.window().actions()["pose-2"]).isEmpty());
-}
-
-TEST_CASE("poses: the magnet and the gizmo's axes are chosen by their actions, kept in the settings, and followed by what is dragged") {
-    Posed w;
-    w.trigger("tool-pose");
-    w.trigger("snap");
-    CHECK(QSettings().value(QStringLiteral("drag/snap")).toBool());
-    w.trigger("snap-steps");
-    auto* dialog = w.window().findChild<QDialog*>(QStringLiteral("snapDialog"));
-    REQUIRE(dialog);
-    auto* step = dialog->findChild<NumberField*>(QStringLiteral("gridStep"));
-    step->setFocus();
-    step->selectAll();
-    QTest::keyClicks(step, QStringLiteral("0.25"));
-    QTest::keyClick(step, Qt::Key_Return);
-    CHECK(QSettings().value(QStringLiteral("drag/grid-step")).toDouble() == doctest::Approx(0.25));
-    dialog->accept();
-    w.activate();
-    w.look(Vec3(0, 0, 1));
-    const EndpointRef end{w.now().boneNamed("head-bone")->id, true};
-    const QPoint from = w.view().onScreen(end)->toPoint();
-    QTest::mouseMove(&w.view(), from);
-    w.settle();
-    QTest::mousePress(&w.view(), Qt::LeftButton, {}, from);
-    QTest::mouseMove(&w.view(), from + QPoint(20, -60));
-    w.settle();
-    CHECK(w.view().hint().startsWith(QStringLiteral("On the grid")));
-    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, from + QPoint(20, -60));
-    w.settle();
-    REQUIRE(w.now().goals.contains(end));
-    for (int k = 0; k < 3; ++k) CHECK(std::abs(std::remainder(w.now().goals.at(end).target[k], 0.25)) < 1e-9);
-    w.trigger("axes-local");
-    CHECK(w.window().actions()["axes-local"]->isChecked());
-    CHECK(!w.window().actions()["axes-world"]->isChecked());
-    CHECK(QSettings().value(QStringLiteral("drag/axes")).toInt() == 1);
-    w.trigger("axes-world");
-    QSettings().remove(QStringLiteral("drag/grid-step"));
 }
 
 TEST_CASE("poses: the slider leads a part of the way while it is dragged, in one step, and stands at nothing again") {

@@ -29,11 +29,12 @@ SnapDialog::SnapDialog(const SnapSettings& now, QWidget* parent) : QDialog(paren
         return number;
     };
     constexpr double kDegrees = 180.0 / std::numbers::pi;
-    auto* step = field("gridStep", tr("Grid"), {.unit = QStringLiteral("m"), .low = 0.0, .high = 1e3, .step = 0.001, .decimals = 4, .factor = 1.0, .standard = 0.0}, now.step);
-    auto* angle = field("angleStep", tr("Angle"), {.unit = QStringLiteral("°"), .low = 0.1 / kDegrees, .high = std::numbers::pi, .step = 0.01, .decimals = 2, .factor = kDegrees, .standard = SnapSettings().angleStep}, now.angleStep);
+    auto* step = field("gridStep", tr("Grid"), {.unit = QStringLiteral("m"), .low = 0.0, .high = SnapSettings::kLargestStep, .step = 0.001, .decimals = 4, .factor = 1.0, .standard = 0.0}, now.step);
+    auto* angle = field("angleStep", tr("Angle"), {.unit = QStringLiteral("°"), .low = SnapSettings::kSmallestAngle, .high = SnapSettings::kLargestAngle, .step = 0.01, .decimals = 2, .factor = kDegrees, .standard = SnapSettings().angleStep}, now.angleStep);
+    const auto tell = [this, step, angle] { Q_EMIT changed(step->value().value_or(0.0), angle->value().value_or(SnapSettings().angleStep)); };
     for (NumberField* number : {step, angle}) {
-        connect(number, &NumberField::valueEdited, this, [this, step, angle] { Q_EMIT changed(step->value().value_or(0.0), angle->value().value_or(SnapSettings().angleStep)); });
-        connect(number, &NumberField::editEnded, this, [this, step, angle] { Q_EMIT changed(step->value().value_or(0.0), angle->value().value_or(SnapSettings().angleStep)); });
+        connect(number, &NumberField::valueEdited, this, tell);
+        connect(number, &NumberField::editEnded, this, tell);
     }
     auto* note = styled(new QLabel(tr("0 m: as fine as the view shows, in powers of ten."), this), "muted");
     note->setWordWrap(true);

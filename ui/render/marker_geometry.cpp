@@ -154,7 +154,7 @@ void addGizmo(const Vec3& at, const GizmoLook& look, const Scene& scene, double 
         }
         addPolyline(line, true, color(-1, GizmoPart::RingView, 0.6), wide(GizmoPart::RingView, 1.0f), out.lines);
     }
-    for (int k = 0; k < 3 && look.moves; ++k) {
+    for (int k = 0; k < 3; ++k) {
         const Vec3 axis = look.axes.col(k);
         if (const double fade = axisFade(axis, view); fade > 0.0) {
             const GizmoPart part = partOf(GizmoPart::AxisX, k);

@@ -60,9 +60,7 @@ bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e
     drag.points = std::move(points);
     drag.first = drag.last = e;
     drag.modal = modal;
-    const SelectionItem* item = document_.selection().empty() ? nullptr : &document_.selection().front();
-    const auto from = item ? endpointPosition(document_.session(), {item->part, false}) : std::nullopt, to = item ? endpointPosition(document_.session(), {item->part, true}) : std::nullopt;
-    drag.lock.setFrame(gizmoAxes(space_, from && to ? axesAlong(*to - *from) : Eigen::Matrix3d(Eigen::Matrix3d::Identity()), e.viewForward, e.viewRight));
+    drag.lock.setFrame(gizmoAxes(space_, axesOfBone(document_.session(), document_.selection().empty() ? 0 : document_.selection().front().part), e.viewForward, e.viewRight));
     drag_ = std::move(drag);
     snap_.begin({[this](const EndpointRef& end) {
                      const int index = document_.session().pointIndex(end);
@@ -100,18 +98,14 @@ std::optional<GizmoPlace> BoneDrag::gizmo() const {
     GizmoPlace place;
     for (const Point& point : points) place.at += point.shown / double(points.size());
     place.turns = place.scales = points.size() > 1;
-    const SelectionItem& item = document_.selection().front();
-    const auto from = endpointPosition(document_.session(), {item.part, false}), to = endpointPosition(document_.session(), {item.part, true});
-    if (from && to) place.local = axesAlong(*to - *from);
+    place.local = axesOfBone(document_.session(), document_.selection().front().part);
     return place;
 }
 
 bool BoneDrag::press(render::GizmoPart part, const PointerEvent& e) {
-    using render::GizmoPart;
-    const bool turns = part == GizmoPart::RingView || render::isOneOf(part, GizmoPart::RingX), scales = render::isOneOf(part, GizmoPart::ScaleX);
-    if (!start(turns ? Does::Turns : scales ? Does::Scales : Does::Moves, chosen(), e, false)) return false;
-    for (const GizmoPart first : {GizmoPart::AxisX, GizmoPart::PlaneX, GizmoPart::RingX, GizmoPart::ScaleX})
-        if (render::isOneOf(part, first)) drag_->lock.lockTo(int(part) - int(first), first == GizmoPart::PlaneX);
+    const bool scales = render::isOneOf(part, render::GizmoPart::ScaleX);
+    if (!start(turnsBy(part) ? Does::Turns : scales ? Does::Scales : Does::Moves, chosen(), e, false)) return false;
+    lockTo(drag_->lock, part);
     choose(drag_->does);
     return true;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/finite.h"
+#include "ui/tools/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
@@ -33,13 +34,22 @@ Eigen::Matrix3d gizmoAxes(GizmoSpace space, const Eigen::Matrix3d& local, const 
     return axes;
 }
 
-Eigen::Matrix3d axesAlong(const Vec3& direction) {
+Eigen::Matrix3d axesOfBone(const Session& session, PartId bone) {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-    if (!allFinite(direction) || direction.norm() < 1e-12) return axes;
-    const Vec3 x = direction.normalized(), helper = std::abs(x.y()) < 0.9 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ());
+    const auto from = endpointPosition(session, {bone, false}), to = endpointPosition(session, {bone, true});
+    const Vec3 along = from && to ? Vec3(*to - *from) : Vec3(Vec3::Zero());
+    if (!allFinite(along) || along.norm() < 1e-12) return axes;
+    const Vec3 x = along.normalized(), helper = std::abs(x.y()) < 0.9 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ());
     const Vec3 y = (helper - helper.dot(x) * x).normalized();
     axes << x, y, x.cross(y);
     return axes;
+}
+
+bool turnsBy(GizmoPart part) { return part == GizmoPart::RingView || render::isOneOf(part, GizmoPart::RingX); }
+
+void lockTo(AxisLock& lock, GizmoPart part) {
+    for (const GizmoPart first : {GizmoPart::AxisX, GizmoPart::PlaneX, GizmoPart::RingX, GizmoPart::ScaleX})
+        if (render::isOneOf(part, first)) lock.lockTo(int(part) - int(first), first == GizmoPart::PlaneX);
 }
 
 GizmoPart gizmoUnder(const PointerEvent& e, const GizmoPlace& place, GizmoSpace space) {

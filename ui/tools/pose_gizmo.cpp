@@ -17,8 +17,7 @@ Eigen::Matrix3d PoseTool::axesOf(const PoseGrip& grip) const {
         const auto pose = session.poseOf(grip.handle);
         return pose ? pose->rotation.toRotationMatrix() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     }
-    const auto from = endpointPosition(session, {grip.end.bone, false}), to = endpointPosition(session, {grip.end.bone, true});
-    return from && to ? axesAlong(*to - *from) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    return axesOfBone(session, grip.end.bone);
 }
 
 std::optional<GizmoPlace> PoseTool::gizmo() const {
@@ -36,15 +35,13 @@ render::GizmoPart PoseTool::gizmoPart(const PointerEvent& e) const {
 }
 
 void PoseTool::pull(render::GizmoPart part, const PointerEvent& e) {
-    using render::GizmoPart;
     const auto grip = selectedGrip();
     const auto at = grip ? gripPosition(document_.session(), *grip) : std::nullopt;
     if (!at) return;
     take(*grip, *at, e);
     hoveredPart_ = part;
-    drag_->ring = part == GizmoPart::RingView || render::isOneOf(part, GizmoPart::RingX);
-    for (const GizmoPart first : {GizmoPart::AxisX, GizmoPart::PlaneX, GizmoPart::RingX})
-        if (render::isOneOf(part, first)) drag_->lock.lockTo(int(part) - int(first), first == GizmoPart::PlaneX);
+    drag_->ring = turnsBy(part);
+    lockTo(drag_->lock, part);
     drag_->normal = drag_->lock.plane(e);
     if (drag_->normal.norm() > 0.5) drag_->grip = e.onPlane(*at, drag_->normal, *at);
 }

@@ -17,6 +17,7 @@ struct SnapSettings {
     bool grid = true, angle = true, vertices = false, surface = false, middle = false, ends = false;
     double step = 0.0;                            ///< of the grid, m; 0: as fine as it is seen
     double angleStep = 3.14159265358979 / 12.0;   ///< radians
+    static constexpr double kSmallestStep = 1e-6, kLargestStep = 1e3, kSmallestAngle = 1e-3, kLargestAngle = 3.14159265358979;
     bool operator==(const SnapSettings&) const = default;
 };
 

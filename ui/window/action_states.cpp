@@ -105,7 +105,7 @@ void ActionStates::namePoses() {
         if (!entry.id.startsWith("pose-")) continue;
         const std::size_t n = entry.id.mid(5).toUInt();
         QString text = QCoreApplication::translate("Actions", entry.text);
-        if (n <= poses.size()) text = QStringLiteral("&%1  %2").arg(n).arg(QString::fromStdString(poses[n - 1].name).replace(u'&', QStringLiteral("&&")));
+        if (n >= 1 && n <= poses.size()) text = QStringLiteral("&%1  %2").arg(n).arg(QString::fromStdString(poses[n - 1].name).replace(u'&', QStringLiteral("&&")));
         entry.action->setText(text);
     }
 }

@@ -4,7 +4,6 @@
 #include <QActionGroup>
 #include <QSettings>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "ui/dialogs/snap_dialog.h"
@@ -42,8 +41,9 @@ DragOptions::DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool
         });
     }
     const double step = settings.value(kStepKey, snap_.step).toDouble(), angle = settings.value(kAngleKey, snap_.angleStep).toDouble();
-    if (std::isfinite(step) && step >= 0.0) snap_.step = step;
-    if (std::isfinite(angle) && angle > 0.0) snap_.angleStep = angle;
+    // Anybody may write into the settings.
+    if (step >= 0.0 && step <= SnapSettings::kLargestStep) snap_.step = std::max(step, step > 0.0 ? SnapSettings::kSmallestStep : 0.0);
+    if (angle >= SnapSettings::kSmallestAngle && angle <= SnapSettings::kLargestAngle) snap_.angleStep = angle;
     connect(actions["snap-steps"], &QAction::triggered, this, [this] { askSteps(); });
     anywhere_ = settings.value(kAnywhereKey, false).toBool();
     actions["passing-handles"]->setChecked(anywhere_);
