@@ -302,4 +302,14 @@
             </translation>
         </message>
     </context>
+    <context>
+        <name>imomushi::ClipboardFlow</name>
+        <message numerus="yes">
+            <source>Copied %n part(s)</source>
+            <translation>
+                <numerusform>Copied %n part</numerusform>
+                <numerusform>Copied %n parts</numerusform>
+            </translation>
+        </message>
+    </context>
 </TS>

@@ -447,6 +447,18 @@
             <source>Axes of the &amp;view</source>
             <translation>ビューの軸(&amp;V)</translation>
         </message>
+        <message>
+            <source>Cu&amp;t</source>
+            <translation>切り取り(&amp;T)</translation>
+        </message>
+        <message>
+            <source>&amp;Copy</source>
+            <translation>コピー(&amp;C)</translation>
+        </message>
+        <message>
+            <source>&amp;Paste</source>
+            <translation>貼り付け(&amp;P)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1430,6 +1442,18 @@
             <source>A kept pose is broken.</source>
             <translation>保存したポーズが壊れています。</translation>
         </message>
+        <message>
+            <source>Nothing of the selection can be copied.</source>
+            <translation>選択したものはコピーできません。</translation>
+        </message>
+        <message>
+            <source>Nothing that was copied can be pasted here.</source>
+            <translation>コピーしたものは、ここには貼り付けられません。</translation>
+        </message>
+        <message>
+            <source>What it hung on is not there: it is a point of its own.</source>
+            <translation>つながっていた先がここにはないため、独立した点になりました。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -1961,6 +1985,10 @@
         <message>
             <source>Remove pose</source>
             <translation>ポーズを削除</translation>
+        </message>
+        <message>
+            <source>Paste</source>
+            <translation>貼り付け</translation>
         </message>
     </context>
     <context>
@@ -2559,6 +2587,18 @@
         <message>
             <source>hidden</source>
             <translation>非表示</translation>
+        </message>
+        <message>
+            <source>Copy the settings of “%1”</source>
+            <translation>「%1」の設定をコピー</translation>
+        </message>
+        <message>
+            <source>Copy the settings of all that are on</source>
+            <translation>オンのエフェクトすべての設定をコピー</translation>
+        </message>
+        <message>
+            <source>Paste settings</source>
+            <translation>設定を貼り付け</translation>
         </message>
     </context>
     <context>
@@ -3979,6 +4019,10 @@
                 <numerusform>そのうち %n 件は、キャラクターにないものを待ちます。</numerusform>
             </translation>
         </message>
+        <message>
+            <source>Copied the settings</source>
+            <translation>設定をコピーしました</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -4144,6 +4188,10 @@
         <message>
             <source>So many poses are not kept yet.</source>
             <translation>その番号のポーズはまだ保存されていません。</translation>
+        </message>
+        <message>
+            <source>Nothing was copied yet.</source>
+            <translation>まだ何もコピーしていません。</translation>
         </message>
     </context>
     <context>
@@ -7003,6 +7051,39 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Close</source>
             <translation>閉じる</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ClipboardFlow</name>
+        <message>
+            <source>Copied “%1”</source>
+            <translation>「%1」をコピーしました</translation>
+        </message>
+        <message numerus="yes">
+            <source>Copied %n part(s)</source>
+            <translation>
+                <numerusform>%n 個をコピーしました</numerusform>
+            </translation>
+        </message>
+        <message>
+            <source>What was copied cannot be read: copy it once more.</source>
+            <translation>コピーしたものを読めません。もう一度コピーしてください。</translation>
+        </message>
+        <message>
+            <source>Pasting</source>
+            <translation>貼り付けています</translation>
+        </message>
+        <message>
+            <source>Pasted</source>
+            <translation>貼り付けました</translation>
+        </message>
+        <message>
+            <source>Pasted, but for “%1”: %2</source>
+            <translation>貼り付けました。ただし「%1」：%2</translation>
+        </message>
+        <message>
+            <source>Pasted, but for %1 parts. “%2”: %3</source>
+            <translation>貼り付けました。ただし %1 個を除きます。「%2」：%3</translation>
         </message>
     </context>
 </TS>

@@ -11,6 +11,8 @@ void addCoreCommands(CommandRegistry& registry) {
     addAppendCommand(registry);
     addDuplicateCommand(registry);
     addMirrorCommand(registry);
+    addCopyCommand(registry);
+    addPasteCommand(registry);
     addReplaceCommand(registry);
     addElementCommands(registry);
     addCutCommands(registry);

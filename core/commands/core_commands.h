@@ -16,6 +16,8 @@ void addRepairCommands(CommandRegistry& registry);    // repair
 void addAppendCommand(CommandRegistry& registry);     // append
 void addDuplicateCommand(CommandRegistry& registry);  // duplicate
 void addMirrorCommand(CommandRegistry& registry);     // mirror
+void addCopyCommand(CommandRegistry& registry);       // copy
+void addPasteCommand(CommandRegistry& registry);      // paste
 void addReplaceCommand(CommandRegistry& registry);    // replace-mesh
 void addElementCommands(CommandRegistry& registry);   // add-joint-face, join, unjoin, remove-element, remove-joint-face
 void addCutCommands(CommandRegistry& registry);       // cut, move-cut, remove-cut

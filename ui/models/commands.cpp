@@ -163,6 +163,12 @@ Json enable(EffectKind effect, const std::optional<std::string>& element, std::o
 Json disable(EffectKind effect, const std::optional<std::string>& element) { return effectCommand("disable", effect, element); }
 
 Json duplicate(const std::vector<std::string>& names) { return {{"do", "duplicate"}, {"names", names}}; }
+Json copy(const std::vector<std::string>& names, const std::string& path) { return {{"do", "copy"}, {"names", names}, {"path", path}}; }
+Json paste(Json commands, const std::string& onto) {
+    Json command = {{"do", "paste"}, {"commands", std::move(commands)}};
+    if (!onto.empty()) command["onto"] = onto;
+    return command;
+}
 Json mirror(const std::vector<std::string>& names, char axis) { return {{"do", "mirror"}, {"from", names}, {"axis", std::string(1, axis)}}; }
 Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
 

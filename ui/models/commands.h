@@ -143,6 +143,10 @@ inline Json setEnabled(EffectKind effect, bool on, const std::optional<std::stri
 
 /// Elements, characters and bones; beside the first ones.
 Json duplicate(const std::vector<std::string>& names);
+/// `path`: of the file for elements and characters.
+Json copy(const std::vector<std::string>& names, const std::string& path);
+/// What "copy" answered. `onto`: an element or a character, empty: what they were on.
+Json paste(Json commands, const std::string& onto);
 /// Elements, characters, bones, cuts, handles and joint faces; `axis`: 'x', 'y' or 'z'.
 Json mirror(const std::vector<std::string>& names, char axis);
 /// Or a whole character.

@@ -118,7 +118,8 @@ std::vector<std::string> selectedNames(const StudioDocument& document, std::init
     return names;
 }
 
-/// Selects the copies that a command tells of; those of elements and characters alone where there are any.
+}  // namespace
+
 void selectCopies(StudioDocument& document, const Json& answer) {
     const Document& d = document.document();
     std::vector<SelectionItem> items;
@@ -132,10 +133,27 @@ void selectCopies(StudioDocument& document, const Json& answer) {
     if (items.empty())
         for (const Json& copy : answer.at("handles"))
             if (const auto handle = d.handle(copy.at("name").get<std::string>())) items.push_back({Kind::Face, handle->element, handle->face, false});
+    if (items.empty() && answer.contains("faces"))
+        for (const Json& copy : answer["faces"])
+            if (const auto face = d.face(copy.at("name").get<std::string>())) items.push_back({Kind::Face, face->element, face->face, false});
+    if (items.empty())
+        for (const Json& copy : answer.at("cuts"))
+            if (const CharacterSource* of = d.characterOfCut(copy.at("name").get<std::string>()))
+                items.push_back({Kind::Cut, of->cuts[std::size_t(of->cutIndex(copy.at("name").get<std::string>()))].id, {}, false});
     document.select(std::move(items));
 }
 
-}  // namespace
+std::vector<std::string> copiedNames(const StudioDocument& document) { return selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}); }
+
+std::string pastedOnto(const StudioDocument& document) {
+    const Document& d = document.document();
+    std::set<std::string> names;
+    for (const SelectionItem& item : document.selection()) {
+        if (const CharacterSource* character = characterOf(d, item)) names.insert(character->name);
+        else if (const Element* element = elementOf(d, item)) names.insert(element->name);
+    }
+    return names.size() == 1 ? *names.begin() : std::string();
+}
 
 bool canDuplicate(const StudioDocument& document) { return !selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone}).empty(); }
 bool canMirror(const StudioDocument& document) { return !selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}).empty(); }

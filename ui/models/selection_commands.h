@@ -29,6 +29,12 @@ bool duplicateSelected(StudioDocument& document);
 /// document tells by failed().
 bool mirrorSelected(StudioDocument& document, char axis);
 [[nodiscard]] bool canMirror(const StudioDocument& document);
+/// How commands call what is selected and can be copied.
+[[nodiscard]] std::vector<std::string> copiedNames(const StudioDocument& document);
+/// What joint faces, handles and cuts are pasted onto: the element or the character that is selected, or whose part is; empty: none, or several.
+[[nodiscard]] std::string pastedOnto(const StudioDocument& document);
+/// Selects the parts that "duplicate", "mirror" or "paste" tells of; those of elements and characters alone where there are any.
+void selectCopies(StudioDocument& document, const Json& answer);
 /// What another mesh can be given to: the character or the element of its own that is selected, alone. Without a name: none is.
 struct Replaceable {
     std::string name;

@@ -40,9 +40,12 @@ public:
 
 signals:
     void precomputeWanted();
+    void copyWanted(const std::vector<imomushi::EffectKind>& effects);  ///< their settings
+    void pasteWanted();
 
 protected:
     void changeEvent(QEvent* event) override;
+    void contextMenuEvent(QContextMenuEvent* event) override;
     void showEvent(QShowEvent* event) override;
     void hideEvent(QHideEvent* event) override;
     bool event(QEvent* event) override;

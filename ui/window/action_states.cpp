@@ -15,6 +15,7 @@
 #include "ui/models/texts.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
+#include "ui/window/clipboard_flow.h"
 #include "ui/window/step_flow.h"
 #include "ui/window/studio_actions.h"
 
@@ -24,8 +25,8 @@ namespace imomushi {
 
 using Kind = SelectionItem::Kind;
 
-ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, QObject* parent)
-    : QObject(parent), actions_(actions), document_(document), deck_(deck), inputs_(inputs), precompute_(precompute), steps_(steps) {
+ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, ClipboardFlow& clipboard, QObject* parent)
+    : QObject(parent), actions_(actions), document_(document), deck_(deck), inputs_(inputs), precompute_(precompute), steps_(steps), clipboard_(clipboard) {
     connect(&document, &StudioDocument::structureChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::selectionChanged, this, &ActionStates::updateSoon);
     connect(&document, &StudioDocument::historyChanged, this, &ActionStates::updateSoon);
@@ -33,6 +34,7 @@ ActionStates::ActionStates(ActionSet& actions, StudioDocument& document, TakeDec
     connect(&document, &StudioDocument::fileChanged, this, &ActionStates::updateSoon);
     connect(&precompute, &BackgroundJob::finished, this, &ActionStates::updateSoon);
     connect(&steps, &StepFlow::changed, this, &ActionStates::updateSoon);
+    connect(&clipboard, &ClipboardFlow::changed, this, &ActionStates::updateSoon);
     connect(&deck, &TakeDeck::changed, this, &ActionStates::updateTakes);
     connect(&inputs, &InputDeck::changed, this, &ActionStates::updateSoon);
 }
@@ -55,6 +57,8 @@ void ActionStates::update() {
     a.allow("versions", !session.path().empty(), tr("Versions are kept once the project is saved."));
     a.allow("rename", selection.size() == 1 && selection.front().kind != Kind::Endpoint, tr("Select one thing that has a name."));
     a.allow("duplicate", canDuplicate(document_), tr("Select an element, a character or a bone first."));
+    for (const char* id : {"copy", "cut"}) a.allow(id, canMirror(document_), nothing);
+    a.allow("paste", clipboard_.canPaste() && !steps_.running(), clipboard_.canPaste() ? working : tr("Nothing was copied yet."));
     for (const char* id : {"mirror-x", "mirror-y", "mirror-z"}) a.allow(id, canMirror(document_), tr("Select an element, a character or a bone first."));
     a.allow("replace-mesh", !replaceable(document_).name.empty(), tr("Select one character, or one element of its own."));
     const CharacterSource* character = chosenCharacter(document_);

@@ -9,6 +9,7 @@ class ActionSet;
 class InputDeck;
 class PrecomputeJob;
 class StepFlow;
+class ClipboardFlow;
 class StudioDocument;
 class TakeDeck;
 
@@ -16,7 +17,7 @@ class TakeDeck;
 class ActionStates : public QObject {
     Q_OBJECT
 public:
-    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, QObject* parent);
+    ActionStates(ActionSet& actions, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, PrecomputeJob& precompute, StepFlow& steps, ClipboardFlow& clipboard, QObject* parent);
     void update();
 
 signals:
@@ -34,6 +35,7 @@ private:
     InputDeck& inputs_;
     PrecomputeJob& precompute_;
     StepFlow& steps_;
+    ClipboardFlow& clipboard_;
     bool scheduled_ = false;
 };
 

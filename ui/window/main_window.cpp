@@ -41,6 +41,7 @@
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/action_states.h"
+#include "ui/window/clipboard_flow.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/job_card.h"
 #include "ui/window/message_bar.h"
@@ -76,6 +77,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
+    clipboard_ = new ClipboardFlow(document_, *steps_, this);
     precompute_ = new PrecomputeFlow(document_, [this] { return viewport_->tools().busy(); }, this);
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
@@ -85,7 +87,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     docks_ = new StudioDocks(*this, document_, *deck_, *inputs_, *costs_, *actions_);
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
-    states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, this);
+    states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, *clipboard_, this);
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     connectDocument();
@@ -93,6 +95,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectPrecompute();
     connectRepairs();
     connectSteps();
+    connectClipboard();
     connectProposals();
     connectPanels();
     connectView();
@@ -125,6 +128,7 @@ MainWindow::~MainWindow() {
     delete deck_;
     delete precompute_;
     delete proposals_;
+    delete clipboard_;
     delete repairs_;
     delete rigs_;
     delete files_;

@@ -18,6 +18,7 @@ namespace imomushi {
 
 class AccuracyPanel;
 class ActionStates;
+class ClipboardFlow;
 class EffectsPanel;
 class ExportDialog;
 class FileFlow;
@@ -96,6 +97,7 @@ private:
     void connectPrecompute();
     void connectRepairs();
     void connectSteps();
+    void connectClipboard();
     void connectProposals();
     void connectPanels();
     void connectView();
@@ -149,6 +151,7 @@ private:
     FileFlow* files_;
     RigFlow* rigs_;
     RepairFlow* repairs_;
+    ClipboardFlow* clipboard_;
     PrecomputeFlow* precompute_;
     ProposalJob* proposals_;
     FrameCostMeter* costs_;

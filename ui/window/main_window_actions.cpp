@@ -18,6 +18,7 @@
 #include "ui/models/input_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/panels/effects_panel.h"
 #include "ui/panels/poses_panel.h"
 #include "ui/panels/live/live_panel.h"
 #include "ui/panels/outliner_panel.h"
@@ -26,6 +27,7 @@
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/action_states.h"
+#include "ui/window/clipboard_flow.h"
 #include "ui/window/command_search.h"
 #include "ui/window/drag_options.h"
 #include "ui/window/file_flow.h"
@@ -99,6 +101,12 @@ void MainWindow::connectEditActions() {
         if (!viewport_->tools().redo()) document_.execute(commands::redo());
     });
     onSettled("delete", [this] { removeSelection(document_); });
+    onSettled("copy", [this] { clipboard_->copySelected(); });
+    onSettled("cut", [this] { clipboard_->cutSelected(); });
+    onSettled("paste", [this] {
+        showStart(false);
+        clipboard_->paste();
+    });
     onSettled("duplicate", [this] { duplicateSelected(document_); });
     for (const char* axis : {"x", "y", "z"}) onSettled(QByteArray("mirror-").append(axis).constData(), [this, axis] { mirror(*axis); });
     onSettled("replace-mesh", [this] { files_->askReplaceMesh(); });
@@ -157,6 +165,17 @@ void MainWindow::connectEditActions() {
     onSettled("rest", [this] { document_.execute(commands::rest()); });
     onSettled("hide", [this] { hideSelected(document_); });
     onSettled("show-all", [this] { showAll(document_); });
+}
+
+void MainWindow::connectClipboard() {
+    connect(clipboard_, &ClipboardFlow::said, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Good); });
+    connect(clipboard_, &ClipboardFlow::warned, this, [this](const QString& text) { messages().say(text, MessageBar::Tone::Warning); });
+    connect(&effects(), &EffectsPanel::copyWanted, this, [this](const std::vector<EffectKind>& wanted) {
+        std::vector<std::string> names;
+        for (const EffectKind effect : wanted) names.emplace_back(effectName(effect));
+        if (clipboard_->copy(names)) messages().say(tr("Copied the settings"), MessageBar::Tone::Good);
+    });
+    connect(&effects(), &EffectsPanel::pasteWanted, (*actions_)["paste"], &QAction::trigger);
 }
 
 void MainWindow::connectSoftActions() {

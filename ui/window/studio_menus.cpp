@@ -48,7 +48,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
+    fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
     QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
     fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles"});
     fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "axes-world", "axes-local", "axes-view"});
@@ -130,7 +130,7 @@ void StudioMenus::wrapTools() {
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
     menu.installEventFilter(this);
-    fill(menu, {"rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
+    fill(menu, {"cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
     menu.exec(global);
 }
 
