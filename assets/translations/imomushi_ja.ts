@@ -459,6 +459,10 @@
             <source>&amp;Paste</source>
             <translation>貼り付け(&amp;P)</translation>
         </message>
+        <message>
+            <source>Left as &amp;right (X symmetry)</source>
+            <translation>左右対称に編集 (X)(&amp;R)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -2434,6 +2438,14 @@
         <message>
             <source>Release: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
             <translation>離す：確定 · X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>“%1” has nothing on the other side: it moved alone.</source>
+            <translation>「%1」は反対側に対応するものがないため、片側だけ動きました。</translation>
+        </message>
+        <message>
+            <source>“%1” was not mirrored as a whole: %2</source>
+            <translation>「%1」は完全にはミラーできませんでした：%2</translation>
         </message>
     </context>
     <context>

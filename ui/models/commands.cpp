@@ -170,6 +170,7 @@ Json paste(Json commands, const std::string& onto) {
     return command;
 }
 Json mirror(const std::vector<std::string>& names, char axis) { return {{"do", "mirror"}, {"from", names}, {"axis", std::string(1, axis)}}; }
+Json mirrorAt(const std::vector<std::string>& names, double at) { return {{"do", "mirror"}, {"from", names}, {"axis", "x"}, {"at", at}}; }
 Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
 
 Json attach(const Attach& choices) {

@@ -149,6 +149,8 @@ Json copy(const std::vector<std::string>& names, const std::string& path);
 Json paste(Json commands, const std::string& onto);
 /// Elements, characters, bones, cuts, handles and joint faces; `axis`: 'x', 'y' or 'z'.
 Json mirror(const std::vector<std::string>& names, char axis);
+/// Left and right of the plane x = `at`, m.
+Json mirrorAt(const std::vector<std::string>& names, double at);
 /// Or a whole character.
 Json removeElement(const std::string& name);
 /// `element`: or a character, whichever of its elements the plane cuts. `names`: of the pieces, the one behind the plane first. m.

@@ -61,6 +61,7 @@ bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e
     drag.first = drag.last = e;
     drag.modal = modal;
     drag.lock.setFrame(gizmoAxes(space_, axesOfBone(document_.session(), document_.selection().empty() ? 0 : document_.selection().front().part), e.viewForward, e.viewRight));
+    findImages(drag);
     drag_ = std::move(drag);
     snap_.begin({[this](const EndpointRef& end) {
                      const int index = document_.session().pointIndex(end);
@@ -202,36 +203,79 @@ Vec3 BoneDrag::placed(const Point& point) const {
     return drag.pivot + arm + (values[0] - 1.0) * drag.lock.confined(arm);
 }
 
+void BoneDrag::findImages(Drag& drag) const {
+    if (!symmetry_) return;
+    const Session& session = document_.session();
+    drag.symmetry = Symmetry::ofBone(document_.document(), drag.points.front().ends.front().bone);
+    for (std::size_t i = 0; i < drag.points.size(); ++i) {
+        const EndpointRef end = drag.points[i].ends.front();
+        const auto image = drag.symmetry->imageOf(session, end);
+        if (!image) {
+            if (!drag.symmetry->central(document_.document(), {end, {}})) drag.alone.push_back(end);
+            continue;
+        }
+        // Both sides are dragged, each as the pointer says.
+        const int index = session.pointIndex(*image);
+        if (std::any_of(drag.points.begin(), drag.points.end(), [&](const Point& p) { return p.index == index; })) continue;
+        if (auto point = pointOf(*image)) drag.images.push_back({std::move(*point), i});
+    }
+}
+
+bool BoneDrag::place(const Goal& goal) {
+    const Document& d = document_.document();
+    const EndpointRef leads = goal.ends.front();
+    for (const EndpointRef& end : goal.ends) {
+        const auto bone = d.bones.find(end.bone);
+        if (bone == d.bones.end()) return false;
+        const std::variant<std::string, Vec3> place = end == leads ? goal.place : std::variant<std::string, Vec3>(pathOf(d, leads));
+        if (!document_.execute(commands::placeEnd(bone->second->name, end.atEnd, place))) return false;
+    }
+    return true;
+}
+
 bool BoneDrag::keep() {
     const bool moved = drag_->moved;
-    struct To {
-        std::vector<EndpointRef> ends;
-        std::variant<std::string, Vec3> place;
-    };
-    std::vector<To> all;
+    std::vector<Goal> all, images;
     const Document& d = document_.document();
-    for (const Point& point : drag_->points) {
-        To to{point.ends, Vec3(point.rest + point.turn.conjugate() * (placed(point) - point.shown))};
+    const auto hung = [&](const Bone::Place& place) -> std::variant<std::string, Vec3> {
+        if (const auto* face = std::get_if<FaceRef>(&place)) return pathOf(d, *face);
+        if (const auto* end = std::get_if<EndpointRef>(&place)) return pathOf(d, *end);
+        return std::get<Vec3>(place);
+    };
+    for (std::size_t i = 0; i < drag_->points.size(); ++i) {
+        const Point& point = drag_->points[i];
+        Vec3 rest = point.rest + point.turn.conjugate() * (placed(point) - point.shown);
+        Goal to{point.ends, rest};
         if (drag_->near) {
-            if (const auto* face = std::get_if<FaceRef>(&drag_->near->place)) to.place = pathOf(d, *face);
-            if (const auto* end = std::get_if<EndpointRef>(&drag_->near->place)) to.place = pathOf(d, *end);
+            to.place = hung(drag_->near->place);
+            if (const auto at = restPosition(d, drag_->near->place)) rest = *at;
+        }
+        for (const Image& image : drag_->images) {
+            if (image.of != i) continue;
+            const Vec3 there = drag_->symmetry->point(rest);
+            const double size = (image.point.rest - there).norm() + (point.rest - rest).norm();
+            images.push_back({image.point.ends, drag_->near ? hung(Symmetry::placeAt(d, there, image.point.ends, size)) : std::variant<std::string, Vec3>(there)});
         }
         all.push_back(std::move(to));
     }
+    const std::vector<EndpointRef> alone = std::move(drag_->alone);
     drag_.reset();
     if (!moved) return false;
-    Gesture gesture(document_);
-    for (const To& to : all) {
+    for (const Goal& to : all)
         if (const auto* point = std::get_if<Vec3>(&to.place); point && !allFinite(*point)) return true;
-        const EndpointRef leads = to.ends.front();
-        for (const EndpointRef& end : to.ends) {
-            const auto bone = d.bones.find(end.bone);
-            if (bone == d.bones.end()) return true;
-            const std::variant<std::string, Vec3> place = end == leads ? to.place : std::variant<std::string, Vec3>(pathOf(d, leads));
-            if (!document_.execute(commands::placeEnd(bone->second->name, end.atEnd, place))) return true;
-        }
-    }
-    gesture.commit();
+    const auto move = [&](bool mirrored) {
+        Gesture gesture(document_);
+        for (const Goal& to : all)
+            if (!place(to)) return false;
+        if (mirrored)
+            for (const Goal& to : images)
+                if (!place(to)) return false;
+        gesture.commit();
+        return true;
+    };
+    // What the other side refuses, as the document says, this one does alone.
+    if (!move(true) && !images.empty()) move(false);
+    if (!alone.empty()) Q_EMIT document_.failed(ToolTexts::tr("“%1” has nothing on the other side: it moved alone.").arg(QString::fromStdString(pathOf(d, alone.front()))));
     return true;
 }
 
@@ -271,14 +315,21 @@ QString BoneDrag::hint() const {
 void BoneDrag::decorate(render::Scene& scene) const {
     if (!drag_ || !drag_->moved) return;
     const Session& session = document_.session();
+    const auto shownImage = [&](const Image& image) -> Vec3 {
+        const Point& of = drag_->points[image.of];
+        return image.point.shown + Symmetry::way(placed(of) - of.shown);
+    };
     const auto placeOfPoint = [&](const EndpointRef& end) -> std::optional<Vec3> {
         const int index = session.pointIndex(end);
         for (const Point& point : drag_->points)
             if (point.index == index) return placed(point);
+        for (const Image& image : drag_->images)
+            if (image.point.index == index) return shownImage(image);
         return endpointPosition(session, end);
     };
     for (const auto& [id, bone] : document_.document().bones) {
-        const bool touched = std::any_of(drag_->points.begin(), drag_->points.end(), [&](const Point& p) { return p.index == session.pointIndex({id, false}) || p.index == session.pointIndex({id, true}); });
+        const auto touches = [&, b = id](const Point& p) { return p.index == session.pointIndex({b, false}) || p.index == session.pointIndex({b, true}); };
+        const bool touched = std::any_of(drag_->points.begin(), drag_->points.end(), touches) || std::any_of(drag_->images.begin(), drag_->images.end(), [&](const Image& i) { return touches(i.point); });
         const auto from = placeOfPoint({id, false}), to = placeOfPoint({id, true});
         if (!touched || !from || !to || !allFinite(*from) || !allFinite(*to)) continue;
         render::Marker marker;

@@ -8,6 +8,7 @@
 #include "ui/tools/gizmo.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
+#include "ui/tools/symmetry.h"
 #include "ui/tools/typed_number.h"
 
 namespace imomushi {
@@ -22,6 +23,7 @@ public:
     void setOptions(const ToolOptions& options) {
         snap_.set(options.snap);
         space_ = options.space;
+        symmetry_ = options.symmetry;
     }
     /// Where the gizmo of what is selected stands; none: no bones are selected.
     [[nodiscard]] std::optional<GizmoPlace> gizmo() const;
@@ -58,9 +60,17 @@ private:
         Vec3 shown = Vec3::Zero(), rest = Vec3::Zero();                     ///< m
         Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();          ///< from rest to what is shown
     };
+    /// A joint point that goes along on the other side.
+    struct Image {
+        Point point;
+        std::size_t of = 0;  ///< of Drag::points
+    };
     struct Drag {
         Does does = Does::Moves;
         std::vector<Point> points;
+        std::vector<Image> images;
+        std::optional<Symmetry> symmetry;
+        std::vector<EndpointRef> alone;  ///< ends that have nothing on the other side
         Vec3 pivot = Vec3::Zero();   ///< m, as shown
         PointerEvent first, last;
         bool modal = false, moved = false;
@@ -76,6 +86,14 @@ private:
     [[nodiscard]] std::optional<Point> pointOf(const EndpointRef& end) const;
     /// Of what is selected.
     [[nodiscard]] std::vector<Point> chosen() const;
+    void findImages(Drag& drag) const;
+    /// Where ends go.
+    struct Goal {
+        std::vector<EndpointRef> ends;
+        std::variant<std::string, Vec3> place;
+    };
+    /// False: refused.
+    bool place(const Goal& goal);
     bool start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal);
     void choose(Does does);
     void follow(const PointerEvent& before, const PointerEvent& e);
@@ -90,6 +108,7 @@ private:
     StudioDocument& document_;
     Snap snap_;
     GizmoSpace space_ = GizmoSpace::World;
+    bool symmetry_ = false;
     std::optional<Drag> drag_;
 };
 

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "ui/models/commands.h"
+#include "ui/models/gesture.h"
 #include "ui/models/paths.h"
+#include "ui/models/texts.h"
 #include "ui/scene/document_scene.h"
 #include "ui/tools/tool_texts.h"
 
@@ -45,6 +47,15 @@ std::string freeBoneName(const Document& document) {
     for (int n = 1;; ++n) {
         std::string name = "bone " + std::to_string(n);
         if (!document.boneNamed(name) && !document.elementNamed(name)) return name;
+    }
+}
+
+/// On the left, where x is large of who looks along z, or on the right: free on both sides.
+std::string freeSideName(const Document& document, bool left) {
+    const auto taken = [&](const std::string& name) { return document.boneNamed(name) || document.elementNamed(name); };
+    for (int n = 1;; ++n) {
+        const std::string name = "bone " + std::to_string(n);
+        if (!taken(name + ".L") && !taken(name + ".R")) return name + (left ? ".L" : ".R");
     }
 }
 
@@ -248,18 +259,33 @@ void BoneTool::addBone(const Spot& from, const Spot& to) {
                 if (other.element == element) face = other;
         return pathOf(d, face);
     };
-    commands::NewBone wanted{freeBoneName(d), {}, path(from), path(to), {}};
+    const auto symmetry = symmetry_ ? std::optional(Symmetry::ofElement(d, element)) : std::nullopt;
+    const double size = (to.rest - from.rest).norm();
+    const bool mirrored = symmetry && !(symmetry->holds(from.rest, size) && symmetry->holds(to.rest, size));
+    commands::NewBone wanted{mirrored ? freeSideName(d, from.rest.x() + to.rest.x() > 2.0 * symmetry->middle()) : freeBoneName(d), {}, path(from), path(to), {}};
     if (element) wanted.element = d.elements.at(element)->name;
     if (const auto* end = std::get_if<EndpointRef>(&from.place)) {
         const auto bone = d.bones.find(end->bone);
         const auto parent = end->atEnd || bone == d.bones.end() ? bone : d.bones.find(bone->second->parent);
         if (parent != d.bones.end()) wanted.parent = parent->second->name;
     }
+    Gesture gesture(document_);
     if (!document_.execute(commands::addBone(wanted))) return;
+    if (mirrored) mirror(*symmetry, wanted.name);
+    gesture.commit({"add-bone", wanted.name});
     const Bone* bone = d.boneNamed(wanted.name);
     if (!bone) return;
     document_.select({SelectionItem{SelectionItem::Kind::Bone, bone->id, {}, false}});
     start_ = spotAt(EndpointRef{bone->id, true});
+}
+
+void BoneTool::mirror(const Symmetry& symmetry, const std::string& name) {
+    const QString shown = QString::fromStdString(name);
+    const auto answer = document_.execute(commands::mirrorAt({name}, symmetry.middle()), true);
+    const auto tell = [&](const Error& error) { Q_EMIT document_.failed(ToolTexts::tr("“%1” was not mirrored as a whole: %2").arg(shown, errorText(error))); };
+    if (!answer) return tell(answer.error());
+    const Json& left = answer->at("not_mirrored");
+    if (!left.empty()) tell({left[0].at("code").get<std::string>(), left[0].at("why").get<std::string>()});
 }
 
 bool BoneTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
@@ -312,12 +338,19 @@ void BoneTool::decorate(render::Scene& scene) const {
         scene.markers.push_back(std::move(marker));
     };
     if (start_ && hovered_ && !(*start_ == *hovered_)) {
-        render::Marker bone;
-        bone.shape = render::Marker::Shape::Bone;
-        bone.from = start_->shown;
-        bone.to = hovered_->shown;
-        bone.hovered = true;
-        scene.markers.push_back(std::move(bone));
+        const auto show = [&](const Vec3& from, const Vec3& to) {
+            render::Marker bone;
+            bone.shape = render::Marker::Shape::Bone;
+            bone.from = from;
+            bone.to = to;
+            bone.hovered = true;
+            scene.markers.push_back(std::move(bone));
+        };
+        show(start_->shown, hovered_->shown);
+        if (symmetry_) {
+            const Symmetry symmetry = Symmetry::ofElement(document_.document(), start_->elements.empty() ? 0 : *start_->elements.begin());
+            show(symmetry.point(start_->shown), symmetry.point(hovered_->shown));
+        }
     }
     if (start_) point(*start_);
     if (hovered_) point(*hovered_);

@@ -19,6 +19,7 @@ public:
     void setOptions(const ToolOptions& options) override {
         drag_.setOptions(options);
         gizmo_ = options.gizmo;
+        symmetry_ = options.symmetry;
         space_ = options.space;
     }
     void press(const PointerEvent& e) override;
@@ -53,6 +54,8 @@ private:
     [[nodiscard]] std::optional<Spot> spotAt(const FaceRef& face) const;
     [[nodiscard]] bool stillThere(const Spot& spot) const;
     void addBone(const Spot& from, const Spot& to);
+    /// Makes the mirror image of a bone, where it has none; says why not.
+    void mirror(const Symmetry& symmetry, const std::string& name);
     void click(const PointerEvent& e);
     /// Where the end that is dragged would go.
     [[nodiscard]] std::optional<BoneDrag::Place> placeUnder(const PointerEvent& e) const;
@@ -65,7 +68,7 @@ private:
     [[nodiscard]] render::GizmoPart gizmoPart(const PointerEvent& e) const;
 
     BoneDrag drag_;
-    bool gizmo_ = true;
+    bool gizmo_ = true, symmetry_ = false;
     GizmoSpace space_ = GizmoSpace::World;
     render::GizmoPart part_ = render::GizmoPart::None;  ///< under the pointer
     std::optional<EndpointRef> dragged_;

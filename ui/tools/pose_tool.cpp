@@ -139,6 +139,13 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
         drag.roll = held->second.roll;
         drag.fromRoll = drag.roll.value_or(0.0);
     }
+    if (options_.symmetry) {
+        const Document& d = document_.document();
+        drag.symmetry = grip.isHandle() ? Symmetry::ofElement(d, grip.handle.element) : Symmetry::ofBone(d, grip.end.bone);
+        drag.image = drag.symmetry->imageOf(document_.session(), grip);
+        if (drag.image && gripPosition(document_.session(), *drag.image) == gripPosition(document_.session(), grip)) drag.image.reset();
+        drag.alone = !drag.image && !drag.symmetry->central(d, grip);
+    }
     drag_ = std::move(drag);
     last_ = e;
     snap_.begin(moving());
@@ -255,28 +262,37 @@ void PoseTool::issue(const PointerEvent& e) {
     const Aim to = aim(e);
     if (!allFinite(to.to)) return;
     // The first command takes hold and the last one leaves the answer in the document; in between the performance goes on, and is given where to.
-    if (drag.held) {
-        LiveInput input;
-        input.kind = drag.end.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;
-        input.end = drag.end.end;
-        if (drag.end.isHandle()) input.handle = document_.session().plan().handleIndex(drag.end.handle);
-        input.target = to.to;
-        input.rotation = to.rotation;
-        input.hasRoll = to.roll.has_value();
-        input.roll = to.roll.value_or(0.0);
-        if (document_.give(input)) {
-            drag.given = to;
-            return;
-        }
+    if (drag.held && give(drag.end, to) && (!drag.image || give(*drag.image, mirrored(to)))) {
+        drag.given = to;
+        return;
     }
     command(to);
 }
 
+bool PoseTool::give(const PoseGrip& grip, const Aim& to) {
+    LiveInput input;
+    input.kind = grip.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;
+    input.end = grip.end;
+    if (grip.isHandle()) input.handle = document_.session().plan().handleIndex(grip.handle);
+    input.target = to.to;
+    input.rotation = to.rotation;
+    input.hasRoll = to.roll.has_value();
+    input.roll = to.roll.value_or(0.0);
+    return document_.give(input);
+}
+
+PoseTool::Aim PoseTool::mirrored(const Aim& to) const {
+    return {drag_->symmetry->point(to.to), to.roll ? std::optional(-*to.roll) : std::nullopt, Symmetry::turn(to.rotation)};
+}
+
 void PoseTool::command(const Aim& to) {
     Drag& drag = *drag_;
-    const std::string path = pathOf(document_.document(), drag.end);
     drag.given.reset();
-    drag.held = document_.execute(drag.end.isHandle() ? commands::dragHandle(path, to.to, to.rotation) : commands::drag(path, to.to, to.roll)).has_value();
+    const auto dragTo = [&](const PoseGrip& grip, const Aim& aim) {
+        const std::string name = pathOf(document_.document(), grip);
+        return document_.execute(grip.isHandle() ? commands::dragHandle(name, aim.to, aim.rotation) : commands::drag(name, aim.to, aim.roll)).has_value();
+    };
+    drag.held = dragTo(drag.end, to) && (!drag.image || dragTo(*drag.image, mirrored(to)));
     if (!drag.held) cancel();
 }
 
@@ -308,7 +324,10 @@ void PoseTool::keep() {
             named = {"drag", drag_->passing->element};
         }
     }
+    if (drag_->image && drag_->gesture && named.name.empty()) named = {"drag", pathOf(document_.document(), drag_->end)};
+    const QString alone = drag_->alone && drag_->gesture && !drag_->passing ? QString::fromStdString(pathOf(document_.document(), drag_->end)) : QString();
     if (drag_->gesture) drag_->gesture->commit(named);
+    if (!alone.isEmpty()) Q_EMIT document_.failed(ToolTexts::tr("“%1” has nothing on the other side: it moved alone.").arg(alone));
     drag_.reset();
     last_.reset();
     turning_ = false;

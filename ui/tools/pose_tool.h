@@ -9,6 +9,7 @@
 #include "ui/tools/part_drag.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
+#include "ui/tools/symmetry.h"
 #include "ui/tools/tool.h"
 #include "ui/tools/typed_number.h"
 
@@ -93,6 +94,9 @@ private:
         bool modal = false;               ///< without a button
         bool ring = false;                ///< the pointer turns it about its middle
         bool held = false;                ///< a command took hold of it
+        std::optional<Symmetry> symmetry;
+        std::optional<PoseGrip> image;    ///< on the other side, which goes along
+        bool alone = false;               ///< there is nothing on the other side, and it is not in the middle
         std::optional<Aim> given;         ///< where the performance was told to take it since the last command
         double follows = 1.0;             ///< how much the trunk stays upright where B turns that on
     };
@@ -116,6 +120,9 @@ private:
     [[nodiscard]] Vec3 turningAxis() const;
     /// Drags it there by a command; where that is refused, the drag is cancelled.
     void command(const Aim& to);
+    [[nodiscard]] Aim mirrored(const Aim& to) const;
+    /// To the performance. False: a command must do it.
+    bool give(const PoseGrip& grip, const Aim& to);
     /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
     bool makePassing(const Flesh& flesh);
     /// Brings the passing handle back that was let go last.

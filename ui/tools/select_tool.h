@@ -14,7 +14,7 @@ class SelectTool : public Tool {
 public:
     explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document) { pose_.showGizmo(true); }
     void setOptions(const ToolOptions& options) override {
-        pose_.setOptions({{}, options.snap, options.gizmo, options.space});
+        pose_.setOptions({{}, options.snap, options.gizmo, options.space, options.symmetry});
         cut_.setSnap(options.snap);
     }
     void press(const PointerEvent& e) override;

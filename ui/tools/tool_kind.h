@@ -31,6 +31,7 @@ struct ToolOptions {
     SnapSettings snap = {};
     bool gizmo = true;
     GizmoSpace space = GizmoSpace::World;
+    bool symmetry = false;  ///< what is placed, edited and posed on one side is so on the other (Symmetry)
 };
 
 }  // namespace imomushi

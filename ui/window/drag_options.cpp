@@ -20,7 +20,7 @@ struct SnapRow {
 constexpr SnapRow kSnapRows[] = {{"snap", &SnapSettings::on},           {"snap-grid", &SnapSettings::grid},     {"snap-angle", &SnapSettings::angle}, {"snap-vertices", &SnapSettings::vertices},
                                  {"snap-surface", &SnapSettings::surface}, {"snap-middle", &SnapSettings::middle}, {"snap-ends", &SnapSettings::ends}};
 
-const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles"), kGizmoKey = QStringLiteral("drag/gizmo"), kSpaceKey = QStringLiteral("drag/axes");
+const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles"), kGizmoKey = QStringLiteral("drag/gizmo"), kSpaceKey = QStringLiteral("drag/axes"), kSymmetryKey = QStringLiteral("drag/symmetry");
 constexpr const char* kSpaces[] = {"axes-world", "axes-local", "axes-view"};  // as GizmoSpace counts
 
 QString keyOf(const SnapRow& row) { return QStringLiteral("drag/") + QLatin1String(row.action); }
@@ -60,6 +60,14 @@ DragOptions::DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool
         QSettings().setValue(kGizmoKey, on);
         tell();
     });
+    symmetry_ = settings.value(kSymmetryKey, false).toBool();
+    actions["symmetry"]->setChecked(symmetry_);
+    connect(actions["symmetry"], &QAction::triggered, this, [this](bool on) {
+        settle_();
+        symmetry_ = on;
+        QSettings().setValue(kSymmetryKey, on);
+        tell();
+    });
     space_ = GizmoSpace(std::clamp(settings.value(kSpaceKey, 0).toInt(), 0, 2));
     auto* spaces = new QActionGroup(this);
     for (int i = 0; i < 3; ++i) {
@@ -81,6 +89,7 @@ void DragOptions::tell() {
     options.snap = snap_;
     options.gizmo = gizmo_;
     options.space = space_;
+    options.symmetry = symmetry_;
     if (anywhere_) options.passingHandles = passing_;
     tools_.setOptions(std::move(options));
 }

@@ -32,6 +32,7 @@ private:
     SnapSettings snap_;
     bool anywhere_ = false;
     bool gizmo_ = true;
+    bool symmetry_ = false;
     GizmoSpace space_ = GizmoSpace::World;
 };
 

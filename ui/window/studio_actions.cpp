@@ -62,6 +62,7 @@ constexpr Row kRows[] = {
     {"axes-world", "", QT_TRANSLATE_NOOP("Actions", "Axes of the &world"), "", true},
     {"axes-local", "", QT_TRANSLATE_NOOP("Actions", "Axes of what is se&lected"), "", true},
     {"axes-view", "", QT_TRANSLATE_NOOP("Actions", "Axes of the &view"), "", true},
+    {"symmetry", "symmetry", QT_TRANSLATE_NOOP("Actions", "Left as &right (X symmetry)"), "Shift+X", true},
     {"snap", "magnet", QT_TRANSLATE_NOOP("Actions", "&Snap while dragging"), "M", true},
     {"snap-grid", "", QT_TRANSLATE_NOOP("Actions", "Snap to the &grid"), "", true},
     {"snap-angle", "", QT_TRANSLATE_NOOP("Actions", "Snap &angles"), "", true},

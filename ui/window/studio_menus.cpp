@@ -50,7 +50,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
     QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
-    fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles"});
+    fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "symmetry"});
     fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "axes-world", "axes-local", "axes-view"});
     snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
     fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
@@ -85,7 +85,7 @@ void StudioMenus::buildToolBar() {
         tools_.push_back(bar);
     };
     group("tools", {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch"});
-    group("tools-drag", {"snap"});
+    group("tools-drag", {"snap", "symmetry"});
     // The arrow of the magnet opens what it goes to.
     if (auto* magnet = qobject_cast<QToolButton*>(tools_.back()->widgetForAction(actions_["snap"]))) {
         magnet->setMenu(snapMenu_);
