@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/copied_parts.h"
 
+#include <algorithm>
+
 #include "core/document/command_support.h"
 
 namespace imomushi {
@@ -47,6 +49,11 @@ Result<void> checkPlaces(const Document& document, const CopiedParts& parts, con
         if (!all) return tooFar(character.name);
     }
     return {};
+}
+
+double besideBones(const Vec3& low, const Vec3& high) {
+    constexpr double kWidth = 1.1, kSize = 0.25;  // of the width along x, and of the diagonal, where they are slender
+    return std::max(kWidth * (high - low).x(), kSize * (high - low).norm());
 }
 
 std::function<const StoredResponse*(PartId)> lastResponses(const DocumentEdit& edit) {

@@ -25,6 +25,9 @@ struct CopiedParts {
 /// Errors: "bad-value" (`key` would take parts too far away).
 Result<void> checkPlaces(const Document& document, const CopiedParts& parts, const Placing& placing, const char* key);
 
+/// How far copies of bones go along x to stand beside those within a box, m.
+double besideBones(const Vec3& low, const Vec3& high);
+
 /// The last responses of the elements, fresh ones and drafts.
 std::function<const StoredResponse*(PartId)> lastResponses(const DocumentEdit& edit);
 

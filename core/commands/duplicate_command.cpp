@@ -17,14 +17,21 @@ namespace {
 constexpr double kRoom = 0.1;
 
 /// Beside all that is copied, along x.
-Vec3 beside(const Document& document, const std::set<PartId>& elements) {
+Vec3 beside(const Document& document, const std::set<PartId>& elements, const std::set<PartId>& bones) {
+    if (elements.empty()) {
+        Vec3 least = Vec3::Constant(std::numeric_limits<double>::max()), most = -least;
+        for (const PartId id : bones)
+            for (const Bone::Place* place : {&document.bones.at(id)->start, &document.bones.at(id)->end})
+                if (const auto at = restPosition(document, *place)) least = least.cwiseMin(*at), most = most.cwiseMax(*at);
+        return (most.array() < least.array()).any() ? Vec3(Vec3::Zero()) : Vec3(besideBones(least, most), 0.0, 0.0);
+    }
     double low = std::numeric_limits<double>::max(), high = -low;
     for (const PartId id : elements) {
         const Points& v = document.elements.at(id)->mesh->body.vertices;
         low = std::min(low, v.col(0).minCoeff());
         high = std::max(high, v.col(0).maxCoeff());
     }
-    return elements.empty() ? Vec3(Vec3::Zero()) : Vec3((1.0 + kRoom) * (high - low), 0.0, 0.0);
+    return Vec3((1.0 + kRoom) * (high - low), 0.0, 0.0);
 }
 
 Result<Json> duplicate(DocumentEdit& edit, const Json& arguments, const Progress&) {
@@ -46,7 +53,7 @@ Result<Json> duplicate(DocumentEdit& edit, const Json& arguments, const Progress
     wanted.addBones(from);
     PartCopier::Options options;
     const Json* offset = find(arguments, "offset");
-    options.placing.shift = offset ? *vector3(*offset) : beside(from, wanted.elements);
+    options.placing.shift = offset ? *vector3(*offset) : beside(from, wanted.elements, wanted.bones);
     if (auto ok = checkPlaces(from, wanted, options.placing, "offset"); !ok) return tl::unexpected(ok.error());
     options.response = lastResponses(edit);
     options.within = true;

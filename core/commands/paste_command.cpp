@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/hash.h"
+#include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/document_edit.h"
 #include "core/commands/pasted_parts.h"
@@ -50,8 +51,6 @@ namespace {
 
 /// Ends of bones nearer to a place than this, of the largest coordinate or 1 m, are at it.
 constexpr double kAt = 1e-6;
-/// Room between bones and their copies beside them, of their width along x, and at least of their diagonal.
-constexpr double kBesideWidth = 1.1, kBesideSize = 0.25;
 
 bool near(const Vec3& a, const Vec3& b) { return (a - b).norm() <= kAt * std::max(1.0, a.cwiseAbs().maxCoeff()); }
 
@@ -88,7 +87,7 @@ public:
                 lies = lies || (start && end && near(*start, *from) && near(*end, *to));
             }
         }
-        if (lies) shift(Vec3(std::max(kBesideWidth * (high - low).x(), kBesideSize * (high - low).norm()), 0.0, 0.0));
+        if (lies) shift(Vec3(besideBones(low, high), 0.0, 0.0));
     }
     void shift(const Vec3& by) { shift_ = by; }
 

@@ -149,3 +149,12 @@ TEST_CASE("paste: what anybody may have put there is told and left out, and chan
     CHECK(w.session.execute({{"do", "paste"}, {"commands", Json::array()}}).error().code == "nothing-to-paste");
     CHECK(w.session.execute({{"do", "paste"}, {"commands", clipOf(w, {"upper"})}, {"onto", "nobody"}}).error().code == "no-such-element");
 }
+
+TEST_CASE("duplicate: bones alone stand beside themselves, with their chain") {
+    Workbench w;
+    buildClippedArm(w);
+    const Json answer = w.good({{"do", "duplicate"}, {"names", {"upper", "lower"}}});
+    CHECK(clipNames(answer["bones"]) == std::vector<std::string>{"upper 2", "lower 2"});
+    CHECK((endAtRest(w, "lower 2", true) - endAtRest(w, "lower", true)).x() > 1.0);
+    CHECK(w.session.document().boneNamed("lower 2")->parent == w.session.document().boneNamed("upper 2")->id);
+}
