@@ -2055,8 +2055,8 @@
             <translation>↑ ↓：許容差 (%1) · Esc：取り消し</translation>
         </message>
         <message>
-            <source>Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel</source>
-            <translation>Enter またはクリック：面を作る · ← →：移動 · X、Y、Z：向き · ↑ ↓：許容差 (%1) · Esc：取り消し</translation>
+            <source>Enter or click: make the face · G, R: move, turn · X, Y, Z: axis · ↑ ↓: tolerance (%1) · Esc: cancel</source>
+            <translation>Enter またはクリック：面を作る · G、R：移動、回転 · X、Y、Z：軸 · ↑ ↓：許容差（%1） · Esc：取り消し</translation>
         </message>
         <message>
             <source>Click: select the joint face "%1"</source>
@@ -2101,12 +2101,12 @@
             <translation>ボーンの端をドラッグ</translation>
         </message>
         <message>
-            <source>Click or drag a box: select · Shift: add</source>
-            <translation>クリックまたは範囲をドラッグ：選択 · Shift：追加</translation>
+            <source>Click or drag a box: select · Ctrl+drag: lasso · Shift: add</source>
+            <translation>クリックまたは範囲をドラッグ：選択 · Ctrl+ドラッグ：投げ縄 · Shift：追加</translation>
         </message>
         <message>
-            <source>Click or drag a box: select · Shift: add · Delete: remove</source>
-            <translation>クリックまたは範囲をドラッグ：選択 · Shift：追加 · Delete：削除</translation>
+            <source>Click or drag a box: select · Ctrl+drag: lasso · Shift: add · Delete: remove</source>
+            <translation>クリックまたは範囲をドラッグ：選択 · Ctrl+ドラッグ：投げ縄 · Shift：追加 · Delete：削除</translation>
         </message>
         <message>
             <source>Release: select what the box touches · Esc: cancel</source>
@@ -2145,8 +2145,8 @@
             <translation>エフェクト「タッチ」はオフです。表面をクリックするとオンにできます</translation>
         </message>
         <message>
-            <source>Press and hold: poke a finger into the surface</source>
-            <translation>押し続ける：指で表面をへこませる</translation>
+            <source>Press and hold, or G: poke a finger into the surface</source>
+            <translation>押し続けるか G：指で表面をへこませる</translation>
         </message>
         <message>
             <source>Drag: pose · P: pin · Delete: remove the selected</source>
@@ -2193,8 +2193,8 @@
             <translation>「%1」を「%2」から切り離し、結合しました。</translation>
         </message>
         <message>
-            <source>Enter or click: cut here · ← →: move · X, Y, Z: turn · Esc: cancel</source>
-            <translation>Enter またはクリック：ここで切る · ← →：移動 · X、Y、Z：向き · Esc：取り消し</translation>
+            <source>Enter or click: cut here · G, R: move, turn · X, Y, Z: axis · Esc: cancel</source>
+            <translation>Enter またはクリック：ここで切断 · G、R：移動、回転 · X、Y、Z：軸 · Esc：取り消し</translation>
         </message>
         <message>
             <source>Click: cut across · Shift+click: plane · ↑: a patch of the surface instead</source>
@@ -2446,6 +2446,22 @@
         <message>
             <source>“%1” was not mirrored as a whole: %2</source>
             <translation>「%1」は完全にはミラーできませんでした：%2</translation>
+        </message>
+        <message>
+            <source>Release: select what the loop touches · Esc: cancel</source>
+            <translation>離す：囲みに触れたものを選択 · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>Click or Enter: the plane stands so · Type an angle · G: move · Shift: fine · Ctrl: snap · Esc: back</source>
+            <translation>クリックまたは Enter：この向きにする · 角度を入力 · G：移動 · Shift：細かく · Ctrl：スナップ · Esc：戻す</translation>
+        </message>
+        <message>
+            <source>Click or Enter: the plane lies here · Type a number · R: turn · Shift: fine · Ctrl: snap · Esc: back</source>
+            <translation>クリックまたは Enter：ここに置く · 数値を入力 · R：回転 · Shift：細かく · Ctrl：スナップ · Esc：戻す</translation>
+        </message>
+        <message>
+            <source>Move: push along · Wheel, Ctrl or a typed number: depth · Shift: fine · Click or Enter: lift · Esc: take back</source>
+            <translation>移動：押しながら動かす · ホイール、Ctrl、数値：深さ · Shift：細かく · クリックまたは Enter：離す · Esc：元に戻す</translation>
         </message>
     </context>
     <context>
@@ -4249,8 +4265,8 @@
             <translation>選択</translation>
         </message>
         <message>
-            <source>Click, or drag a box from nothing; Shift adds</source>
-            <translation>クリック、または何もない所から範囲をドラッグ（Shift で追加）</translation>
+            <source>Click, or drag a box from nothing, with Ctrl a loop; Shift adds</source>
+            <translation>クリック、または何もない所から範囲をドラッグ（Ctrl で投げ縄、Shift で追加）</translation>
         </message>
         <message>
             <source>Take back what is unfinished</source>
@@ -4593,6 +4609,14 @@
         <message>
             <source>Draft: precompute for the accurate result</source>
             <translation>下書き：前計算でより正確になります</translation>
+        </message>
+        <message>
+            <source>Some are hidden: click to hide all</source>
+            <translation>一部が非表示です。クリックですべて隠します</translation>
+        </message>
+        <message>
+            <source>Some are locked: click to lock all</source>
+            <translation>一部がロックされています。クリックですべてロックします</translation>
         </message>
     </context>
     <context>

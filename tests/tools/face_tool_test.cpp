@@ -191,3 +191,54 @@ TEST_CASE("face tool: a preview of an element that is gone is neither drawn nor 
     tool.key(Qt::Key_Enter, {});
     CHECK(stage.steps() == before);
 }
+
+TEST_CASE("face tool: G moves the placed plane without a button and R turns it, typed numbers lead, and Esc brings it back") {
+    ToolStage stage;
+    addTwoBars(stage);
+    stage.look(ViewAxis::Front);
+    FaceTool tool(stage.document());
+    const auto plane = [&]() -> std::pair<Vec3, Vec3> {
+        render::Scene scene;
+        tool.decorate(scene);
+        for (const render::Marker& m : scene.markers)
+            if (m.shape == render::Marker::Shape::PlaneGizmo) return {m.from, (m.to - m.from).normalized()};
+        return {Vec3::Constant(1e9), Vec3::Zero()};
+    };
+    // Across the right bar.
+    stage.click(tool, Vec3(1.2, 0.2, 0.5), Qt::ShiftModifier);
+    tool.key(Qt::Key_X, Qt::NoModifier);
+    const auto [at, normal] = plane();
+    REQUIRE(std::abs(normal.x()) > 0.99);
+    CHECK(tool.wants(Qt::Key_G));
+    CHECK(tool.key(Qt::Key_G, Qt::NoModifier));
+    CHECK(tool.modal());
+    CHECK(tool.busy());
+    stage.hover(tool, Vec3(1.7, 0.2, 0.5));
+    CHECK(plane().first.x() == doctest::Approx(at.x() + 0.5).epsilon(0.02));
+    const double way = normal.x() > 0.0 ? 1.0 : -1.0;
+    for (const char c : {'0', '.', '2', '5'}) tool.key(c == '.' ? Qt::Key_Period : Qt::Key_0, Qt::NoModifier, QString(QChar::fromLatin1(c)));
+    CHECK(plane().first.x() == doctest::Approx(at.x() + 0.25 * way));
+    CHECK(!tool.banner().isEmpty());
+    tool.cancel();
+    CHECK(!tool.busy());
+    CHECK(tool.pending());  // the plane is still there
+    CHECK((plane().first - at).norm() < 1e-12);
+    // A click keeps it, and makes nothing yet.
+    const int before = stage.steps();
+    stage.hover(tool, Vec3(1.2, 0.2, 0.5));
+    tool.key(Qt::Key_G, Qt::NoModifier);
+    stage.hover(tool, Vec3(1.7, 0.2, 0.5));
+    stage.click(tool, Vec3(1.7, 0.2, 0.5));
+    CHECK(!tool.modal());
+    CHECK(stage.steps() == before);
+    CHECK(plane().first.x() == doctest::Approx(at.x() + 0.5).epsilon(0.02));
+    tool.key(Qt::Key_R, Qt::NoModifier);
+    for (const char c : {'3', '0'}) tool.key(Qt::Key_0, Qt::NoModifier, QString(QChar::fromLatin1(c)));
+    CHECK(std::acos(std::abs(plane().second.dot(normal))) == doctest::Approx(30.0 * 3.14159265358979 / 180.0));
+    tool.key(Qt::Key_Return, Qt::NoModifier);
+    CHECK(!tool.busy());
+    // Enter once more cuts there.
+    tool.key(Qt::Key_Return, Qt::NoModifier);
+    CHECK(stage.steps() == before + 1);
+    CHECK(stage.refusals.empty());
+}

@@ -158,3 +158,35 @@ TEST_CASE("select: Delete removes everything selected in one undo step") {
     CHECK(stage.now().bones.size() == 2);
     CHECK(stage.element("right").faces.size() == 2);
 }
+
+TEST_CASE("select: Ctrl and a drag draw a loop, which takes what it touches when it is let go, with Shift beside what was selected") {
+    ToolStage stage;
+    addTwoBars(stage);
+    stage.run({{"do", "add-bone"}, {"name", "far"}, {"from", {-2, 2, 0}}, {"to", {-1, 2, 0}}});
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    const auto draw = [&](const std::vector<Vec3>& way, Qt::KeyboardModifiers modifiers) {
+        stage.press(tool, way.front(), modifiers);
+        for (const Vec3& p : way) stage.pull(tool, p, modifiers);
+    };
+    // Around the end of the right bar; a box of the same corners would take the bone and the left bar, too.
+    const std::vector<Vec3> hook = {{-2.5, 2.4, 0}, {3.5, 2.4, 0}, {3.5, -0.8, 0}, {2.5, -0.8, 0}, {2.5, 2.2, 0}, {-2.5, 2.3, 0}};
+    draw(hook, Qt::ControlModifier);
+    CHECK(tool.busy());
+    CHECK(tool.lasso().size() == qsizetype(hook.size()));
+    CHECK(!tool.box());
+    CHECK(stage.document().selection().empty());
+    stage.letGo(tool, hook.back());
+    const SelectionItem right{Kind::Element, stage.element("right").id, {}, false};
+    CHECK(stage.selected() == right);
+    CHECK(tool.lasso().isEmpty());
+    // The bone beside it.
+    draw({{-1.6, 2.3, 0}, {-1.4, 2.3, 0}, {-1.4, 1.8, 0}, {-1.6, 1.8, 0}}, Qt::ControlModifier | Qt::ShiftModifier);
+    stage.letGo(tool, {-1.6, 1.8, 0});
+    CHECK(stage.document().selection().size() == 2);
+    CHECK(stage.document().isSelected({Kind::Bone, stage.now().boneNamed("far")->id, {}, false}));
+    // Esc leaves what was selected.
+    draw(hook, Qt::ControlModifier);
+    tool.cancel();
+    CHECK(stage.document().selection().size() == 2);
+}

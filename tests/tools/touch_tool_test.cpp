@@ -45,3 +45,34 @@ TEST_CASE("touch tool: beside the bodies there is nothing to touch or to offer")
     CHECK(stage.offers.empty());
     CHECK(!stage.tool.busy());
 }
+
+TEST_CASE("touch tool: G puts a finger down without a button, Enter or a click lifts it as one step, and Esc takes it back") {
+    Touching stage;
+    stage.run({{"do", "set"}, {"target", "bar"}, {"property", "solver-mesh"}, {"value", "draft"}});
+    stage.run({{"do", "enable"}, {"effect", "touch"}});
+    stage.run({{"do", "precompute"}});
+    const int before = stage.steps();
+    CHECK(!stage.tool.key(Qt::Key_G, Qt::NoModifier));
+    stage.hover(stage.tool, Vec3(0.2, 0.1, 0.5));
+    CHECK(stage.tool.wants(Qt::Key_G));
+    CHECK(stage.tool.key(Qt::Key_G, Qt::NoModifier));
+    CHECK(stage.offers.empty());
+    REQUIRE(stage.tool.modal());
+    CHECK(stage.now().touches.size() == 1);
+    stage.hover(stage.tool, Vec3(0.6, 0.1, 0.5));
+    CHECK(stage.now().touches[0].to.x() == doctest::Approx(0.6).epsilon(0.02));
+    CHECK(stage.tool.key(Qt::Key_Return, Qt::NoModifier));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.now().touches.empty());
+    CHECK(stage.steps() == before + 1);
+    stage.hover(stage.tool, Vec3(0.2, 0.1, 0.5));
+    stage.tool.key(Qt::Key_G, Qt::NoModifier);
+    stage.click(stage.tool, Vec3(0.4, 0.1, 0.5));
+    CHECK(!stage.tool.busy());
+    CHECK(stage.steps() == before + 2);
+    stage.hover(stage.tool, Vec3(0.2, 0.1, 0.5));
+    stage.tool.key(Qt::Key_G, Qt::NoModifier);
+    stage.tool.cancel();
+    CHECK(stage.now().touches.empty());
+    CHECK(stage.steps() == before + 2);
+}

@@ -24,7 +24,7 @@ ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation,
         {tr("Turn the view"), blenderNavigation ? tr("Middle mouse button") : tr("Alt + left mouse button")},
         {tr("Move the view"), blenderNavigation ? tr("Shift + middle mouse button") : tr("Alt + middle mouse button")},
         {tr("Nearer, farther"), blenderNavigation ? tr("Wheel") : tr("Wheel, Alt + right mouse button")},
-        {tr("Select"), tr("Click, or drag a box from nothing; Shift adds")},
+        {tr("Select"), tr("Click, or drag a box from nothing, with Ctrl a loop; Shift adds")},
         {tr("Let go of what is dragged or pinned"), tr("Double click with the drag tool")},
         {tr("Take back what is unfinished"), tr("Esc or right mouse button")},
     };

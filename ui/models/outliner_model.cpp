@@ -6,6 +6,7 @@
 #include <QIODevice>
 #include <QMimeData>
 #include <QStringList>
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <vector>
@@ -135,6 +136,13 @@ std::shared_ptr<const Element> OutlinerModel::element(const Node& n) const {
     return found == document_.document().elements.end() ? nullptr : found->second;
 }
 
+std::vector<std::shared_ptr<const Element>> OutlinerModel::elementsOf(const Node& n) const {
+    std::vector<std::shared_ptr<const Element>> elements;
+    for (const auto& [id, e] : document_.document().elements)
+        if (n.kind == Kind::Character || (n.kind == Kind::Element && id == n.part) || (n.kind == Kind::Whole && e->piece && e->piece->character == n.part)) elements.push_back(e);
+    return elements;
+}
+
 std::optional<SelectionItem> OutlinerModel::item(const QModelIndex& index) const {
     if (!index.isValid()) return std::nullopt;
     const Node& n = *node(index);
@@ -243,15 +251,21 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
             break;
         }
         case Visible:
-            if (n.kind != Kind::Element) break;
-            if (role == IconRole) return e->visible ? QStringLiteral("eye") : QStringLiteral("eye-off");
-            if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) return e->visible ? tr("Visible: click to hide") : tr("Hidden: click to show");
+        case Locked: {
+            const auto elements = elementsOf(n);
+            if (elements.empty()) break;
+            const bool text = role == Qt::ToolTipRole || role == Qt::AccessibleTextRole;
+            if (index.column() == Visible) {
+                const auto seen = std::count_if(elements.begin(), elements.end(), [](const auto& of) { return of->visible; });
+                if (role == IconRole) return seen > 0 ? QStringLiteral("eye") : QStringLiteral("eye-off");
+                if (text) return seen == 0 ? tr("Hidden: click to show") : seen == std::ptrdiff_t(elements.size()) ? tr("Visible: click to hide") : tr("Some are hidden: click to hide all");
+                break;
+            }
+            const auto locked = std::count_if(elements.begin(), elements.end(), [](const auto& of) { return of->locked; });
+            if (role == IconRole) return locked == std::ptrdiff_t(elements.size()) ? QStringLiteral("lock") : QStringLiteral("unlock");
+            if (text) return locked == 0 ? tr("Not locked: click to lock") : locked == std::ptrdiff_t(elements.size()) ? tr("Locked: click to unlock") : tr("Some are locked: click to lock all");
             break;
-        case Locked:
-            if (n.kind != Kind::Element) break;
-            if (role == IconRole) return e->locked ? QStringLiteral("lock") : QStringLiteral("unlock");
-            if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) return e->locked ? tr("Locked: click to unlock") : tr("Not locked: click to lock");
-            break;
+        }
         default: break;
     }
     return {};
@@ -341,11 +355,16 @@ bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int
 
 void OutlinerModel::toggle(const QModelIndex& index) {
     const Node& n = *node(index);
-    if (n.kind != Kind::Element) return;
-    const auto e = element(n);
-    if (!e) return;
-    if (index.column() == Visible) document_.execute(commands::set(e->name, commands::element::kVisible, !e->visible));
-    if (index.column() == Locked) document_.execute(commands::set(e->name, commands::element::kLocked, !e->locked));
+    const auto elements = elementsOf(n);
+    if (elements.empty() || (index.column() != Visible && index.column() != Locked)) return;
+    const bool hides = std::any_of(elements.begin(), elements.end(), [](const auto& e) { return e->visible; });
+    const bool unlocks = std::all_of(elements.begin(), elements.end(), [](const auto& e) { return e->locked; });
+    std::vector<Json> wanted;
+    for (const auto& e : elements) {
+        if (index.column() == Visible && e->visible == hides) wanted.push_back(commands::set(e->name, commands::element::kVisible, !hides));
+        if (index.column() == Locked && e->locked == unlocks) wanted.push_back(commands::set(e->name, commands::element::kLocked, !unlocks));
+    }
+    executeTogether(document_, wanted);
 }
 
 }  // namespace imomushi

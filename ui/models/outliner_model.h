@@ -42,7 +42,7 @@ public:
     [[nodiscard]] bool canDropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) const override;
     bool dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) override;
 
-    /// Shows or hides, locks or unlocks an element.
+    /// Shows or hides, locks or unlocks an element, or all of a character or of the scene.
     void toggle(const QModelIndex& index);
     /// Says everything again, in the present language.
     void retranslate();
@@ -53,6 +53,8 @@ private:
     [[nodiscard]] Node* node(const QModelIndex& index) const;
     [[nodiscard]] QModelIndex indexOf(const Node* node, int column = 0) const;
     [[nodiscard]] std::shared_ptr<const Element> element(const Node& node) const;
+    /// Itself, or all of a character or of the scene; empty: it is none of these.
+    [[nodiscard]] std::vector<std::shared_ptr<const Element>> elementsOf(const Node& node) const;
     /// What dropping on `onto` does, a command for each dragged row; empty: they have no place there.
     [[nodiscard]] std::vector<Json> dropped(const QMimeData& data, const QModelIndex& onto) const;
 

@@ -132,9 +132,10 @@ void OutlinerPanel::restoreExpansion() {
 }
 
 void OutlinerPanel::spanRows() {
-    // Only elements have signs behind their names; the others use the whole width.
+    // Elements and what holds them have signs behind their names; the others use the whole width.
     visit(*filter_, {}, [this](const QModelIndex& index) {
-        tree_->setFirstColumnSpanned(index.row(), index.parent(), index.data(OutlinerModel::KindRole).toInt() != int(OutlinerModel::Kind::Element));
+        const auto kind = OutlinerModel::Kind(index.data(OutlinerModel::KindRole).toInt());
+        tree_->setFirstColumnSpanned(index.row(), index.parent(), kind != OutlinerModel::Kind::Element && kind != OutlinerModel::Kind::Whole && kind != OutlinerModel::Kind::Character);
     });
 }
 

@@ -28,15 +28,14 @@ double pixelsTo(const PointerEvent& e, const Vec3& a, const Vec3& b) {
     return (off - t * along).norm();
 }
 
-/// How far along a line (unit direction) the pointer's ray comes nearest to it; none: it looks along the line, nearly.
+}  // namespace
+
 std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const Vec3& direction) {
     const double across = direction.dot(e.rayDirection), square = 1.0 - across * across;
     if (square < kAlong) return std::nullopt;
     const Vec3 w = e.rayOrigin - point;
     return (w.dot(direction) - across * w.dot(e.rayDirection)) / square;
 }
-
-}  // namespace
 
 std::optional<CutDrag::Grip> CutDrag::chosen() const {
     if (document_.selection().size() != 1) return std::nullopt;

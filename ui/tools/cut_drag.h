@@ -77,4 +77,7 @@ private:
     std::optional<Drag> drag_;
 };
 
+/// How far along a line (unit direction) the pointer's ray comes nearest to it, m; none: it looks along the line, nearly.
+std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const Vec3& direction);
+
 }  // namespace imomushi

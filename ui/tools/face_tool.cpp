@@ -219,11 +219,13 @@ void FaceTool::placePlane(const RayHit& hit) {
     const Eigen::Quaterniond turn = character && index >= 0 ? Eigen::Quaterniond(character->frame(index).linear()) : Eigen::Quaterniond::Identity();
     plane.shownOrigin = hit.point + turn * (plane.origin - hit.rest);
     plane.shownNormal = turn * plane.normal;
+    plane.turn = turn;
     plane_ = plane;
 }
 
 void FaceTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton) return;
+    if (edit_) return edit_.reset();
     if (drag_.modal()) return drag_.keep();
     if (drag_.busy()) return;
     if (!plane_ && !(e.modifiers & Qt::ShiftModifier)) {
@@ -261,6 +263,7 @@ void FaceTool::press(const PointerEvent& e) {
 void FaceTool::move(const PointerEvent& e) {
     last_ = e;
     if (drag_.busy()) return drag_.move(e);
+    if (edit_) return followPlane(e);
     if (plane_ && !plane_->dragging) return;
     overCut_ = !plane_ && drag_.over(e);
     if (!plane_)
@@ -314,18 +317,18 @@ bool FaceTool::wheel(double notches, const PointerEvent& e) {
     return widen(notches > 0.0 ? 1 : -1);
 }
 
-void FaceTool::movePlane(double steps) {
-    previewPlane();
-    const Element* of = element();
-    if (!of) return;
-    const double step = 0.005 * steps * diagonalOf(of->mesh->body.vertices);
-    plane_->origin += step * plane_->normal;
-    plane_->shownOrigin += step * plane_->shownNormal;
-    previewPlane();
-}
-
 bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
     if (drag_.busy()) return drag_.key(key, text);
+    if (edit_) {
+        if (key == Qt::Key_Return || key == Qt::Key_Enter)
+            edit_.reset();
+        else if (key == Qt::Key_G || key == Qt::Key_R)
+            editPlane(key == Qt::Key_R, PointerEvent(edit_->last));
+        else if (edit_->typed.key(key, text, edit_->turns ? TypedNumber::Of::Angle : TypedNumber::Of::Length, {}))
+            placeEdited();
+        return true;
+    }
+    if ((key == Qt::Key_G || key == Qt::Key_R) && modifiers == Qt::NoModifier && plane_ && last_) return editPlane(key == Qt::Key_R, *last_);
     if ((key == Qt::Key_G || key == Qt::Key_R) && modifiers == Qt::NoModifier && !plane_ && last_) {
         if (!drag_.begin(key == Qt::Key_R, *last_)) return false;
         clearPreview();
@@ -364,6 +367,8 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
 
 bool FaceTool::wants(int key) const {
     if (drag_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
+    if (edit_) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
+    if ((key == Qt::Key_G || key == Qt::Key_R) && plane_) return last_.has_value();
     if (key == Qt::Key_G || key == Qt::Key_R) return !plane_ && last_ && document_.selection().size() == 1 && cutOf(document_.document(), document_.selection().front());
     switch (key) {
         case Qt::Key_Up:
@@ -429,6 +434,12 @@ void FaceTool::cut() {
 }
 
 void FaceTool::cancel() {
+    // The plane stays, where it was.
+    if (edit_) {
+        plane_ = edit_->before;
+        edit_.reset();
+        return previewPlane();
+    }
     drag_.cancel();
     plane_.reset();
     clearPreview();
@@ -436,15 +447,16 @@ void FaceTool::cancel() {
 
 QString FaceTool::hint() const {
     if (drag_.busy() || overCut_) return drag_.hint();
+    if (edit_) return edit_->turns ? ToolTexts::tr("Click or Enter: the plane stands so · Type an angle · G: move · Shift: fine · Ctrl: snap · Esc: back") : ToolTexts::tr("Click or Enter: the plane lies here · Type a number · R: turn · Shift: fine · Ctrl: snap · Esc: back");
     if (cut_) {
-        if (plane_) return ToolTexts::tr("Enter or click: cut here · ← →: move · X, Y, Z: turn · Esc: cancel");
+        if (plane_) return ToolTexts::tr("Enter or click: cut here · G, R: move, turn · X, Y, Z: axis · Esc: cancel");
         return ToolTexts::tr("Click: cut across · Shift+click: plane · ↑: a patch of the surface instead");
     }
     if (plane_) {
         const Element* of = element();
         const QString width = of ? lengthText(tolerance(*of)) : QString();
         if (!refusal_.isEmpty()) return refusal_ + QStringLiteral(" · ") + ToolTexts::tr("↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
-        return ToolTexts::tr("Enter or click: make the face · ← →: move · X, Y, Z: turn · ↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
+        return ToolTexts::tr("Enter or click: make the face · G, R: move, turn · X, Y, Z: axis · ↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
     }
     if (!refusal_.isEmpty()) return refusal_;
     if (!existing_.empty()) return ToolTexts::tr("Click: select the joint face \"%1\"").arg(QString::fromStdString(existing_));

@@ -17,7 +17,11 @@ namespace imomushi {
 /// their rims, and dragged.
 class FaceTool : public Tool {
 public:
-    explicit FaceTool(StudioDocument& document) : Tool(document), drag_(document) {}
+    explicit FaceTool(StudioDocument& document) : Tool(document), snap_(document), drag_(document) {}
+    void setOptions(const ToolOptions& options) override {
+        snap_.set(options.snap);
+        drag_.setSnap(options.snap);
+    }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
@@ -28,11 +32,11 @@ public:
     bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_.busy(); }
-    [[nodiscard]] bool modal() const override { return drag_.modal(); }
+    [[nodiscard]] bool busy() const override { return drag_.busy() || edit_; }
+    [[nodiscard]] bool modal() const override { return drag_.modal() || edit_; }
     [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy(); }
     [[nodiscard]] QString hint() const override;
-    [[nodiscard]] QString banner() const override { return drag_.banner(); }
+    [[nodiscard]] QString banner() const override;
     void decorate(render::Scene& scene) const override;
 
 private:
@@ -41,7 +45,23 @@ private:
         Vec3 origin = Vec3::Zero(), normal = Vec3::UnitZ();  ///< at rest, as the command takes it
         Vec3 shownOrigin = Vec3::Zero(), shownNormal = Vec3::UnitZ();  ///< posed, as it is drawn
         bool dragging = false;
+        Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< from rest to what is shown
     };
+
+    /// The placed plane is moved along its normal, or turned, without a button.
+    struct PlaneEdit {
+        Plane before;
+        bool turns = false;
+        PointerEvent last;
+        double held = 0.0;   ///< along the normal, where the pointer was at the last move, m
+        double by = 0.0;     ///< that the pointer says, m or radians
+        double goes = 0.0;   ///< the same, snapped
+        Vec3 sight = -Vec3::UnitZ();  ///< unit, about which it turns
+        TypedNumber typed = {};
+    };
+    bool editPlane(bool turns, const PointerEvent& e);
+    void followPlane(const PointerEvent& e);
+    void placeEdited();
 
     void look(PartId element);
     void preview(const RayHit& hit);
@@ -68,6 +88,8 @@ private:
     std::string existing_;            ///< the joint face under the pointer, or the one that is in the way
     QString refusal_;                 ///< why a click makes nothing here
     std::optional<Plane> plane_;
+    std::optional<PlaneEdit> edit_;   ///< of plane_
+    Snap snap_;
     std::optional<CutPlane> cut_;     ///< at rest, what a click (Enter) would cut; none: it makes a face
     std::optional<SectionFinder::Outline> section_;  ///< of cut_
     std::shared_ptr<const ElementMesh> sectioned_;

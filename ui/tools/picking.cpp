@@ -67,6 +67,17 @@ bool touches(const QRectF& box, const std::optional<Eigen::Vector2d>& a, const s
     return least <= 0.0 && most >= 0.0;
 }
 
+/// The same of a closed loop, as it is painted where it crosses itself.
+bool touches(const QPolygonF& loop, const QRectF& bounds, const std::optional<Eigen::Vector2d>& a, const std::optional<Eigen::Vector2d>& b) {
+    if (!touches(bounds, a, b)) return false;
+    const QPointF from(a->x(), a->y()), to(b->x(), b->y());
+    if (loop.containsPoint(from, Qt::WindingFill) || loop.containsPoint(to, Qt::WindingFill)) return true;
+    const QLineF segment(from, to);
+    for (qsizetype i = 0; i < loop.size(); ++i)
+        if (segment.intersects(QLineF(loop[i], loop[(i + 1) % loop.size()])) == QLineF::BoundedIntersection) return true;
+    return false;
+}
+
 }  // namespace
 
 namespace {
@@ -448,12 +459,16 @@ std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent&
     return best == near.end() ? std::nullopt : std::optional(SelectionItem{SelectionItem::Kind::Cut, best->cut, {}, false});
 }
 
-std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box) {
+namespace {
+
+/// Bones and elements of which an edge touches an area of the view.
+template <class Touches>
+std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEvent& view, const Touches& isTouched) {
     std::vector<SelectionItem> items;
     if (view.bonesVisible)
         for (const auto& [id, bone] : session.document().bones) {
             const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
-            if (from && to && touches(box, view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
+            if (from && to && isTouched(view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
         }
     std::set<PartId> touched;
     const auto touch = [&](const TriangleMesh& mesh, const auto& at, const auto& elementOf) {
@@ -461,7 +476,8 @@ std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEven
         for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = view.onScreen(at(std::int32_t(v)));
         for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
             const auto corner = [&](int c) { return seen[std::size_t(mesh.triangles(t, c))]; };
-            if (touches(box, corner(0), corner(1)) || touches(box, corner(1), corner(2)) || touches(box, corner(2), corner(0))) touched.insert(elementOf(t));
+            if (touched.contains(elementOf(t))) continue;
+            if (isTouched(corner(0), corner(1)) || isTouched(corner(1), corner(2)) || isTouched(corner(2), corner(0))) touched.insert(elementOf(t));
         }
     };
     for (const auto& [id, element] : session.document().elements) {
@@ -474,6 +490,17 @@ std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEven
     for (const auto& [id, element] : session.document().elements)
         if (element->visible && !element->locked && touched.contains(id)) items.push_back({SelectionItem::Kind::Element, id, {}, false});
     return items;
+}
+
+}  // namespace
+
+std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box) {
+    return itemsTouched(session, view, [&](const auto& a, const auto& b) { return touches(box, a, b); });
+}
+
+std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QPolygonF& loop) {
+    const QRectF bounds = loop.boundingRect();
+    return itemsTouched(session, view, [&](const auto& a, const auto& b) { return touches(loop, bounds, a, b); });
 }
 
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QPolygonF>
 #include <QRectF>
 #include <optional>
 #include <string>
@@ -101,6 +102,8 @@ std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent&
 
 /// Everything that a box over the viewport touches: bones, where they are shown, and then visible, unlocked elements.
 std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box);
+/// The same of a closed loop.
+std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QPolygonF& loop);
 
 /// The id of a selected part in every scene; 0: it is not there any more.
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item);

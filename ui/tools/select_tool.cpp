@@ -17,6 +17,9 @@ bool isGrip(const StudioDocument& document, const SelectionItem& item) {
     return item.kind == SelectionItem::Kind::Endpoint || handleOf(document.document(), item);
 }
 
+/// Points of a lasso are so far apart, logical pixels.
+constexpr double kLassoPixels = 4.0;
+
 bool isBone(const SelectionItem& item) { return item.kind == SelectionItem::Kind::Bone; }
 
 }  // namespace
@@ -99,13 +102,17 @@ void SelectTool::press(const PointerEvent& e) {
     if (!(e.modifiers & Qt::ShiftModifier) && !(item && isBone(*item)) && part_.press(e)) return;
     auto before = document_.selection();
     selectByClick(document_, item, e.modifiers);
-    if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, std::move(before), document_.selection()};
+    if (!item) drag_ = Drag{{e.x, e.y}, {e.x, e.y}, (e.modifiers & Qt::ControlModifier) != 0, {QPointF(e.x, e.y)}, std::move(before), document_.selection()};
 }
 
 void SelectTool::move(const PointerEvent& e) {
     last_ = e;
     if (drag_) {
         drag_->to = {e.x, e.y};
+        if (drag_->free) {
+            if ((drag_->to - drag_->loop.last()).manhattanLength() >= kLassoPixels) drag_->loop << drag_->to;
+            return;
+        }
         auto items = drag_->kept;
         if (const auto area = box())
             for (const SelectionItem& item : itemsWithin(document_.session(), e, *area))
@@ -147,7 +154,15 @@ void SelectTool::release(const PointerEvent& e) {
         return;
     }
     if (!drag_) return pose_.release(e);
-    if (e.button == Qt::LeftButton) drag_.reset();
+    if (e.button != Qt::LeftButton) return;
+    // A loop is whole once it is let go.
+    if (const QPolygonF loop = lasso(); !loop.isEmpty()) {
+        auto items = drag_->kept;
+        for (const SelectionItem& item : itemsWithin(document_.session(), e, loop))
+            if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
+        document_.select(std::move(items));
+    }
+    drag_.reset();
 }
 
 void SelectTool::cancel() {
@@ -158,8 +173,10 @@ void SelectTool::cancel() {
     drag_.reset();
 }
 
+QPolygonF SelectTool::lasso() const { return drag_ && drag_->free && drag_->loop.size() > 2 ? drag_->loop : QPolygonF(); }
+
 std::optional<QRectF> SelectTool::box() const {
-    if (!drag_ || (drag_->to - drag_->from).manhattanLength() < kDragPixels) return std::nullopt;
+    if (!drag_ || drag_->free || (drag_->to - drag_->from).manhattanLength() < kDragPixels) return std::nullopt;
     return QRectF(drag_->from, drag_->to).normalized();
 }
 
@@ -180,14 +197,14 @@ bool SelectTool::wants(int key) const {
 }
 
 QString SelectTool::hint() const {
-    if (drag_) return ToolTexts::tr("Release: select what the box touches · Esc: cancel");
+    if (drag_) return drag_->free ? ToolTexts::tr("Release: select what the loop touches · Esc: cancel") : ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (cut_.busy() || overCut_) return cut_.hint();
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (busy() || overGizmo_) return pose_.hint();
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");
-    if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Shift: add");
-    return ToolTexts::tr("Click or drag a box: select · Shift: add · Delete: remove");
+    if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add");
+    return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add · Delete: remove");
 }
 
 }  // namespace imomushi

@@ -8,7 +8,7 @@
 namespace imomushi {
 
 /// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. A drag that begins on nothing selects all that its box
-/// touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut;
+/// touches, or with Ctrl what its loop touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut;
 /// attached parts are turned.
 class SelectTool : public Tool {
 public:
@@ -40,11 +40,14 @@ public:
         part_.decorate(scene);
     }
     [[nodiscard]] std::optional<QRectF> box() const override;
+    [[nodiscard]] QPolygonF lasso() const override;
 
 private:
-    /// A box that is being dragged.
+    /// A box or a loop that is being dragged.
     struct Drag {
         QPointF from, to;
+        bool free = false;  // a loop
+        QPolygonF loop;
         std::vector<SelectionItem> before, kept;  // selected before it, and whatever it touches
     };
     PoseTool pose_;

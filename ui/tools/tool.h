@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <QPolygonF>
 #include <QRectF>
 #include <QString>
 #include <Qt>
@@ -96,6 +97,8 @@ public:
     virtual void decorate(render::Scene&) const {}
     /// A box that is being dragged over the viewport, pixels of the design.
     [[nodiscard]] virtual std::optional<QRectF> box() const { return std::nullopt; }
+    /// A loop that is being drawn there; empty: none.
+    [[nodiscard]] virtual QPolygonF lasso() const { return {}; }
 
 protected:
     StudioDocument& document_;

@@ -64,7 +64,11 @@ bool TouchTool::offer(PartId element) {
 }
 
 void TouchTool::press(const PointerEvent& e) {
-    if (finger_ || e.button != Qt::LeftButton) return;
+    if (modal() && e.button == Qt::LeftButton) return lift();
+    if (!finger_ && e.button == Qt::LeftButton) poke(e);
+}
+
+void TouchTool::poke(const PointerEvent& e) {
     const auto hit = surfaceUnder(document_.session(), e);
     if (!hit || offer(hit->element)) return;
     Finger finger;
@@ -92,6 +96,7 @@ bool TouchTool::issue() {
 }
 
 void TouchTool::move(const PointerEvent& e) {
+    last_ = e;
     if (!finger_) {
         document_.setHovered(std::nullopt);
         hovered_ = surfaceUnder(document_.session(), e);
@@ -117,14 +122,26 @@ bool TouchTool::wheel(double notches, const PointerEvent& e) {
     return true;
 }
 
-bool TouchTool::key(int key, Qt::KeyboardModifiers, const QString& text) {
-    if (!finger_) return false;
+bool TouchTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (!finger_) {
+        if (key != Qt::Key_G || modifiers != Qt::NoModifier || !hovered_ || !last_) return false;
+        poke(PointerEvent(*last_));
+        if (finger_) finger_->modal = true;
+        return true;
+    }
+    if (finger_->modal && (key == Qt::Key_Return || key == Qt::Key_Enter)) {
+        lift();
+        return true;
+    }
     if (finger_->typed.key(key, text, TypedNumber::Of::Length, {})) issue();
     return true;
 }
 
 void TouchTool::release(const PointerEvent& e) {
-    if (!finger_ || e.button != Qt::LeftButton) return;
+    if (finger_ && !finger_->modal && e.button == Qt::LeftButton) lift();
+}
+
+void TouchTool::lift() {
     const auto element = document_.document().elements.find(finger_->element);
     if (element != document_.document().elements.end())
         document_.execute(commands::touch(element->second->name, finger_->rest, std::nullopt));
@@ -135,11 +152,12 @@ void TouchTool::release(const PointerEvent& e) {
 void TouchTool::cancel() { finger_.reset(); }  // its gesture takes the commands back
 
 QString TouchTool::hint() const {
+    if (modal()) return ToolTexts::tr("Move: push along · Wheel, Ctrl or a typed number: depth · Shift: fine · Click or Enter: lift · Esc: take back");
     if (finger_) return ToolTexts::tr("Move: push along · Wheel, Ctrl+drag or a typed number: depth · Shift: fine · Esc: take back");
     const Document& d = document_.document();
     if (d.elements.empty()) return {};
     if (!d.effects.has(EffectKind::Touch)) return ToolTexts::tr("The effect “Touch” is off. Click the surface to be asked about it");
-    return ToolTexts::tr("Press and hold: poke a finger into the surface");
+    return ToolTexts::tr("Press and hold, or G: poke a finger into the surface");
 }
 
 void TouchTool::decorate(render::Scene& scene) const {

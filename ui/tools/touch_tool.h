@@ -10,7 +10,7 @@
 
 namespace imomushi {
 
-/// Pokes fingers into the surface: a press dents it, moving pushes the dent along the screen, the wheel or Ctrl presses deeper, releasing lifts. One poke is
+/// Pokes fingers into the surface: a press dents it, moving pushes the dent along the screen, the wheel or Ctrl presses deeper, releasing lifts. G pokes without a button, until a press or Enter. One poke is
 /// one undo step. Where the effect is off, or not precomputed, it offers what is missing.
 class TouchTool : public Tool {
 public:
@@ -23,7 +23,9 @@ public:
     bool wheel(double notches, const PointerEvent& e) override;
     bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     void cancel() override;
+    [[nodiscard]] bool wants(int key) const override { return key == Qt::Key_G && (finger_ || hovered_); }
     [[nodiscard]] bool busy() const override { return finger_.has_value(); }
+    [[nodiscard]] bool modal() const override { return finger_ && finger_->modal; }
     [[nodiscard]] QString hint() const override;
     [[nodiscard]] QString banner() const override { return finger_ ? finger_->typed.shown({finger_->depth, 0.0, 0.0}) : QString(); }
     void decorate(render::Scene& scene) const override;
@@ -41,14 +43,18 @@ private:
         double pixel = 0.0;           ///< m that a logical pixel covers at the surface
         double lastY = 0.0;
         TypedNumber typed = {};
+        bool modal = false;           ///< without a button
         [[nodiscard]] Vec3 tip() const { return surface + typed.value(depth) * inward; }
     };
 
     /// Offers what fingers on an element (0: any) still need. False: nothing, they work.
     bool offer(PartId element);
     bool issue();
+    void poke(const PointerEvent& e);
+    void lift();
 
     std::optional<RayHit> hovered_;
+    std::optional<PointerEvent> last_;  ///< where keys begin
     std::optional<Finger> finger_;
 };
 

@@ -19,19 +19,21 @@ constexpr float kBoxOpacity = 0.12f;
 }  // namespace
 
 void ViewOverlay::paint(QPainter& painter, StudioDocument& document) const {
-    if (box) paintBox(painter);
+    if (box || !lasso.isEmpty()) paintArea(painter);
     if (!tag.isEmpty()) paintTag(painter);
     if (!banner.isEmpty()) paintPill(painter, banner, false);
     else if (deck) paintTake(painter, document);
     if (deck && deck->counting()) paintCountdown(painter);
 }
 
-void ViewOverlay::paintBox(QPainter& painter) const {
+void ViewOverlay::paintArea(QPainter& painter) const {
     QColor fill = highlight;
     fill.setAlphaF(kBoxOpacity);
     painter.setPen(QPen(highlight, 1.0));
     painter.setBrush(fill);
-    painter.drawRect(*box);
+    if (box) painter.drawRect(*box);
+    painter.setRenderHint(QPainter::Antialiasing, !lasso.isEmpty());
+    if (!lasso.isEmpty()) painter.drawPolygon(lasso, Qt::WindingFill);
     painter.setBrush(Qt::NoBrush);
 }
 

@@ -3,6 +3,7 @@
 
 #include <QColor>
 #include <QRectF>
+#include <QPolygonF>
 #include <QString>
 #include <optional>
 
@@ -23,12 +24,13 @@ struct ViewOverlay {
     const TakeDeck* deck = nullptr;  ///< null: no takes
     QString tag;                ///< beside the pointer; empty: none
     QPointF pointer;            ///< logical pixels
+    QPolygonF lasso = {};       ///< a loop that is being drawn; empty: none
 
     /// The box, the tag, what the tool says, the take that is shown or recorded, and the seconds until a recording starts.
     void paint(QPainter& painter, StudioDocument& document) const;
 
 private:
-    void paintBox(QPainter& painter) const;
+    void paintArea(QPainter& painter) const;
     /// A line of text at the upper edge; red, with a dot before it, while recording.
     void paintPill(QPainter& painter, const QString& text, bool recording) const;
     void paintTag(QPainter& painter) const;

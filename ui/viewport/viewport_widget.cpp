@@ -375,8 +375,11 @@ void ViewportWidget::paint() {
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
     auto box = tools_.tool().box();
-    if (const double scale = Appearance::instance().scale(); box) box = QRectF(box->topLeft() * scale, box->size() * scale);
-    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tools_.tool().banner(), deck_, overlapped(), at_}.paint(painter, document_);
+    QPolygonF lasso = tools_.tool().lasso();
+    const double scale = Appearance::instance().scale();
+    if (box) box = QRectF(box->topLeft() * scale, box->size() * scale);
+    for (QPointF& p : lasso) p *= scale;
+    ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tools_.tool().banner(), deck_, overlapped(), at_, std::move(lasso)}.paint(painter, document_);
     for (const LimitWord& word : limitWords(document_.session()))
         if (const auto at = onScreen(word.at)) ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), {}, {}, nullptr, word.text, *at}.paint(painter, document_);
     painter.end();
