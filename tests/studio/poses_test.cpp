@@ -103,3 +103,32 @@ TEST_CASE("poses: a pose is renamed in the list, removed by Delete, and the mirr
     w.trigger("mirror-pose");
     CHECK(w.steps() == before + 2);
 }
+
+TEST_CASE("poses: each kept pose has a picture of its own beside the window, which changes nothing and comes back under another name") {
+    Posed w;
+    w.trigger("keep-pose");
+    w.run({{"do", "rest"}});
+    w.trigger("keep-pose");
+    w.settle();
+    const Vec3 head = w.head();
+    const int before = w.steps();
+    const auto picture = [&](const char* name) { return w.panel().picture(QString::fromLatin1(name)); };
+    waitFor([&] { return !picture("pose 1").isNull() && !picture("pose 2").isNull(); });
+    CHECK(picture("pose 1") != picture("pose 2"));
+    const QImage first = picture("pose 1");
+    const auto covered = [](const QImage& image) {
+        int count = 0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) count += qAlpha(image.pixel(x, y)) > 128;
+        return double(count) / (image.width() * image.height());
+    };
+    CHECK(covered(first) > 0.05);  // the character, and around it nothing
+    CHECK(covered(first) < 0.9);
+    CHECK(w.steps() == before);
+    CHECK((w.head() - head).norm() == 0.0);
+    w.shoot("pose-pictures");
+    w.run({{"do", "rename-pose"}, {"pose", "pose 1"}, {"name", "up"}});
+    waitFor([&] { return !picture("up").isNull(); });
+    CHECK(picture("up").cacheKey() == first.cacheKey());  // not drawn again
+    CHECK(picture("pose 1").isNull());
+}

@@ -2,6 +2,7 @@
 #include "ui/panels/poses_panel.h"
 
 #include <QEvent>
+#include <QIcon>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QListWidget>
@@ -22,12 +23,18 @@ namespace {
 constexpr int kNameRole = Qt::UserRole;
 /// As many as there are keys for.
 constexpr int kKeyed = 9;
+constexpr int kPictureWide = 64, kPictureHigh = 48, kRoom = 24;  // pixels of the design
 
 }  // namespace
 
 PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* parent) : QWidget(parent), document_(document) {
     list_ = named(new QListWidget(this), "poses");
     list_->setEditTriggers(QAbstractItemView::EditKeyPressed);
+    // Tiles: many are seen where the dock is wide and low.
+    list_->setViewMode(QListView::IconMode);
+    list_->setMovement(QListView::Static);
+    list_->setResizeMode(QListView::Adjust);
+    list_->setTextElideMode(Qt::ElideRight);
     list_->setUniformItemSizes(true);
     list_->installEventFilter(this);
     list_->setContextMenuPolicy(Qt::CustomContextMenu);
@@ -68,6 +75,8 @@ PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* pa
     connect(&document_, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         if (change.has(&DocumentChange::poses)) follow();
     });
+    connect(&Appearance::instance(), &Appearance::changed, this, &PosesPanel::takeSizes);
+    takeSizes();
     retranslate();
 }
 
@@ -78,6 +87,11 @@ QString PosesPanel::chosen() const {
 
 void PosesPanel::follow() {
     const QString before = chosen();
+    // Pictures of poses that are gone go.
+    QHash<QString, QImage> known;
+    for (const KeptPose& pose : keptPoses(document_.document()))
+        if (const QString name = QString::fromStdString(pose.name); pictures_.contains(name)) known.insert(name, pictures_.value(name));
+    pictures_ = std::move(known);
     following_ = true;
     list_->clear();
     int place = 0;
@@ -86,7 +100,7 @@ void PosesPanel::follow() {
         auto* item = new QListWidgetItem(name, list_);
         item->setFlags(item->flags() | Qt::ItemIsEditable);
         item->setData(kNameRole, name);
-        item->setIcon(themedIcon(QStringLiteral("pose"), Appearance::Role::Muted));
+        item->setIcon(iconOf(name));
         if (place < kKeyed) item->setToolTip(tr("Double click or Alt+%1: pose the character so").arg(place + 1));
         ++place;
         if (name == before) list_->setCurrentItem(item);
@@ -95,6 +109,35 @@ void PosesPanel::follow() {
     list_->setVisible(place > 0);
     empty_->setVisible(place == 0);
     blend_->setEnabled(!chosen().isEmpty());
+}
+
+QIcon PosesPanel::iconOf(const QString& pose) const {
+    const QImage picture = pictures_.value(pose);
+    return picture.isNull() ? themedIcon(QStringLiteral("pose"), Appearance::Role::Muted) : QIcon(QPixmap::fromImage(picture));
+}
+
+void PosesPanel::setPicture(const QString& pose, const QImage& picture) {
+    if (pictures_.value(pose).cacheKey() == picture.cacheKey()) return;
+    pictures_.insert(pose, picture);
+    following_ = true;
+    for (int row = 0; row < list_->count(); ++row)
+        if (list_->item(row)->data(kNameRole).toString() == pose) list_->item(row)->setIcon(iconOf(pose));
+    following_ = false;
+}
+
+void PosesPanel::takeSizes() {
+    list_->setIconSize(QSize(px(kPictureWide), px(kPictureHigh)));
+    list_->setGridSize(QSize(px(kPictureWide + kRoom), px(kPictureHigh) + list_->fontMetrics().height() + px(kRoom / 2)));
+}
+
+void PosesPanel::showEvent(QShowEvent* event) {
+    QWidget::showEvent(event);
+    Q_EMIT seen(true);
+}
+
+void PosesPanel::hideEvent(QHideEvent* event) {
+    QWidget::hideEvent(event);
+    Q_EMIT seen(false);
 }
 
 void PosesPanel::apply(double share, bool mirrored) {

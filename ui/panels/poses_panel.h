@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <QHash>
+#include <QImage>
 #include <QWidget>
 #include <memory>
 
@@ -25,13 +27,23 @@ public:
     PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* parent = nullptr);
     [[nodiscard]] QListWidget* list() const { return list_; }
     [[nodiscard]] QSlider* blend() const { return blend_; }
+    /// What a pose looks like; null: not known yet.
+    void setPicture(const QString& pose, const QImage& picture);
+    [[nodiscard]] QImage picture(const QString& pose) const { return pictures_.value(pose); }
+
+signals:
+    void seen(bool visible);  ///< pictures are wanted, or not any more
 
 protected:
     void changeEvent(QEvent* event) override;
+    void showEvent(QShowEvent* event) override;
+    void hideEvent(QHideEvent* event) override;
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
     void follow();
+    void takeSizes();
+    [[nodiscard]] QIcon iconOf(const QString& pose) const;
     void retranslate();
     void menu(const QPoint& global);
     [[nodiscard]] QString chosen() const;  ///< empty: none
@@ -46,6 +58,7 @@ private:
     QSlider* blend_;
     std::vector<QToolButton*> buttons_;
     std::unique_ptr<Gesture> gesture_;  ///< of the blend
+    QHash<QString, QImage> pictures_;
     bool following_ = false;
 };
 

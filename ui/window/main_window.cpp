@@ -38,6 +38,8 @@
 #include "ui/panels/inspector/inspector_panel.h"
 #include "ui/panels/issues_panel.h"
 #include "ui/panels/outliner_panel.h"
+#include "ui/panels/poses_panel.h"
+#include "ui/viewport/pose_pictures.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/action_states.h"
@@ -78,6 +80,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
     clipboard_ = new ClipboardFlow(document_, *steps_, this);
+    posePictures_ = new PosePictures(document_, this);
     precompute_ = new PrecomputeFlow(document_, [this] { return viewport_->tools().busy(); }, this);
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
@@ -129,6 +132,7 @@ MainWindow::~MainWindow() {
     delete precompute_;
     delete proposals_;
     delete clipboard_;
+    delete posePictures_;
     delete repairs_;
     delete rigs_;
     delete files_;
@@ -320,6 +324,8 @@ void MainWindow::connectProposals() {
 }
 
 void MainWindow::connectPanels() {
+    connect(&docks_->poses(), &PosesPanel::seen, posePictures_, &PosePictures::setWanted);
+    connect(posePictures_, &PosePictures::drawn, &docks_->poses(), &PosesPanel::setPicture);
     connect(&outliner(), &OutlinerPanel::contextMenuWanted, menus_, &StudioMenus::popUpContextMenu);
     connect(&inspector(), &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(&effects(), &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);

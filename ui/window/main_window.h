@@ -32,6 +32,7 @@ class LivePanel;
 class MessageBar;
 class NextSteps;
 class OutlinerPanel;
+class PosePictures;
 class Overlays;
 class ProposalJob;
 class RepairFlow;
@@ -152,6 +153,7 @@ private:
     RigFlow* rigs_;
     RepairFlow* repairs_;
     ClipboardFlow* clipboard_;
+    PosePictures* posePictures_;
     PrecomputeFlow* precompute_;
     ProposalJob* proposals_;
     FrameCostMeter* costs_;
