@@ -2,9 +2,11 @@
 // The gizmo of the pose tool, and what moves with what it drags.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <set>
 
+#include "core/base/union_find.h"
 #include "ui/models/paths.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/pose_tool.h"
@@ -63,34 +65,34 @@ Snap::Moving PoseTool::moving() const {
     const Session& session = document_.session();
     const Document& d = document_.document();
     // Bones that share a joint point, or run through one element, hang together; elements that are joined, or pieces of one character, too.
+    std::map<PartId, int> places;  // of bones, elements and characters: no two parts have one id
+    for (const auto& [id, bone] : d.bones) places.emplace(id, int(places.size()));
+    for (const auto& [id, element] : d.elements) places.emplace(id, int(places.size()));
+    for (const auto& [id, character] : d.characters) places.emplace(id, int(places.size()));
+    const auto points = session.plan().input.skeleton.points.size();
+    UnionFind sets(places.size() + points);
+    const auto unite = [&](PartId a, PartId b) {
+        const auto one = places.find(a), other = places.find(b);
+        if (one != places.end() && other != places.end()) sets.unite(one->second, other->second);
+    };
+    for (const auto& [id, bone] : d.bones) {
+        for (const bool atEnd : {false, true})
+            if (const int point = session.pointIndex({id, atEnd}); point >= 0 && std::size_t(point) < points) sets.unite(places.at(id), int(places.size()) + point);
+        if (bone->element) unite(id, bone->element);
+    }
+    for (const auto& [id, joint] : d.joints)
+        for (const FaceRef& face : joint->faces) unite(joint->faces.front().element, face.element);
+    for (const auto& [id, element] : d.elements)
+        if (element->piece) unite(id, element->piece->character);
     auto bones = std::make_shared<std::set<PartId>>();
     auto elements = std::make_shared<std::set<PartId>>();
-    const auto together = [&](PartId a, PartId b) {
-        const auto of = d.elements.find(a), other = d.elements.find(b);
-        return of != d.elements.end() && other != d.elements.end() && of->second->piece && other->second->piece && of->second->piece->character == other->second->piece->character;
-    };
-    if (drag_->end.isHandle()) elements->insert(drag_->end.handle.element);
-    else bones->insert(drag_->end.end.bone);
-    for (bool grows = true; grows;) {
-        const std::size_t before = bones->size() + elements->size();
-        std::set<int> points;
-        for (const auto& [id, bone] : d.bones) {
-            if (!bones->contains(id)) continue;
-            points.insert({session.pointIndex({id, false}), session.pointIndex({id, true})});
-            if (bone->element) elements->insert(bone->element);
+    const auto own = places.find(drag_->end.isHandle() ? drag_->end.handle.element : drag_->end.end.bone);
+    if (own != places.end())
+        for (const auto& [id, place] : places) {
+            if (sets.find(place) != sets.find(own->second)) continue;
+            if (d.bones.contains(id)) bones->insert(id);
+            if (d.elements.contains(id)) elements->insert(id);
         }
-        points.erase(-1);
-        for (const auto& [id, bone] : d.bones)
-            if (points.contains(session.pointIndex({id, false})) || points.contains(session.pointIndex({id, true})) || elements->contains(bone->element)) bones->insert(id);
-        for (const auto& [id, joint] : d.joints) {
-            const bool any = std::any_of(joint->faces.begin(), joint->faces.end(), [&](const FaceRef& face) { return elements->contains(face.element); });
-            if (any)
-                for (const FaceRef& face : joint->faces) elements->insert(face.element);
-        }
-        for (const auto& [id, element] : d.elements)
-            if (std::any_of(elements->begin(), elements->end(), [&, one = id](PartId other) { return together(one, other); })) elements->insert(id);
-        grows = bones->size() + elements->size() > before;
-    }
     return {[this, bones](const EndpointRef& end) { return bones->contains(end.bone) && !isPinned(document_.document(), {end, {}}); }, [elements](PartId element) { return elements->contains(element); }};
 }
 

@@ -7,7 +7,6 @@
 
 #include "core/base/finite.h"
 #include "core/commands/handle_commands.h"
-#include "core/live/live_input.h"
 #include "core/mesh/bounds.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
@@ -262,6 +261,9 @@ void PoseTool::issue(const PointerEvent& e) {
     const Aim to = aim(e);
     if (!allFinite(to.to)) return;
     // The first command takes hold and the last one leaves the answer in the document; in between the performance goes on, and is given where to.
+    // To take hold where it is solves nothing; whole chains that are solved at once make the first move stumble.
+    if (!drag.held && document_.session().performed()) hold();
+    if (!drag_) return;
     if (drag.held && give(drag.end, to) && (!drag.image || give(*drag.image, mirrored(to)))) {
         drag.given = to;
         return;
@@ -269,29 +271,9 @@ void PoseTool::issue(const PointerEvent& e) {
     command(to);
 }
 
-bool PoseTool::give(const PoseGrip& grip, const Aim& to) {
-    LiveInput input;
-    input.kind = grip.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;
-    input.end = grip.end;
-    if (grip.isHandle()) input.handle = document_.session().plan().handleIndex(grip.handle);
-    input.target = to.to;
-    input.rotation = to.rotation;
-    input.hasRoll = to.roll.has_value();
-    input.roll = to.roll.value_or(0.0);
-    return document_.give(input);
-}
-
-PoseTool::Aim PoseTool::mirrored(const Aim& to) const {
-    return {drag_->symmetry->point(to.to), to.roll ? std::optional(-*to.roll) : std::nullopt, Symmetry::turn(to.rotation)};
-}
-
 void PoseTool::command(const Aim& to) {
     Drag& drag = *drag_;
     drag.given.reset();
-    const auto dragTo = [&](const PoseGrip& grip, const Aim& aim) {
-        const std::string name = pathOf(document_.document(), grip);
-        return document_.execute(grip.isHandle() ? commands::dragHandle(name, aim.to, aim.rotation) : commands::drag(name, aim.to, aim.roll)).has_value();
-    };
     drag.held = dragTo(drag.end, to) && (!drag.image || dragTo(*drag.image, mirrored(to)));
     if (!drag.held) cancel();
 }

@@ -121,6 +121,11 @@ private:
     /// Drags it there by a command; where that is refused, the drag is cancelled.
     void command(const Aim& to);
     [[nodiscard]] Aim mirrored(const Aim& to) const;
+    /// Where it is now, as it is held.
+    [[nodiscard]] Aim where(const PoseGrip& grip) const;
+    bool dragTo(const PoseGrip& grip, const Aim& to);
+    /// Takes hold of it where it is.
+    void hold();
     /// To the performance. False: a command must do it.
     bool give(const PoseGrip& grip, const Aim& to);
     /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
