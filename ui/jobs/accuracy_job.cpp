@@ -3,10 +3,6 @@
 
 namespace imomushi {
 
-AccuracyJob::AccuracyJob(QObject* parent) : BackgroundJob(parent) {
-    connect(this, &BackgroundJob::progressed, this, &AccuracyJob::take);
-}
-
 void AccuracyJob::start(StudyInput input) {
     latest_ = std::make_shared<Latest>();
     seen_ = 0;
@@ -26,13 +22,13 @@ void AccuracyJob::start(StudyInput input) {
             latest->error = done.error();
         },
         [this] {
-            take();
+            takeDone();
             const std::scoped_lock lock(latest_->mutex);
             error_ = latest_->error;
         });
 }
 
-void AccuracyJob::take() {
+void AccuracyJob::takeDone() {
     AccuracyStudy study;
     {
         const std::scoped_lock lock(latest_->mutex);

@@ -14,7 +14,7 @@ namespace imomushi {
 class AccuracyJob : public BackgroundJob {
     Q_OBJECT
 public:
-    explicit AccuracyJob(QObject* parent = nullptr);
+    using BackgroundJob::BackgroundJob;
     void start(StudyInput input);
     /// Why the last run ended early; none: it did not.
     [[nodiscard]] const std::optional<Error>& error() const { return error_; }
@@ -29,7 +29,7 @@ private:
         std::optional<Error> error;
         int revision = 0;
     };
-    void take();
+    void takeDone() override;
     std::shared_ptr<Latest> latest_;
     std::optional<Error> error_;
     int seen_ = 0;

@@ -7,9 +7,12 @@
 #include "ui/models/texts.h"
 
 namespace imomushi {
+namespace {
+constexpr int kPollMs = 50, kProgressMs = 200;
+}
 
 BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {
-    timer_.setInterval(50);
+    timer_.setInterval(kPollMs);
     connect(&timer_, &QTimer::timeout, this, &BackgroundJob::poll);
 }
 
@@ -45,6 +48,7 @@ void BackgroundJob::launch(std::function<void(const Progress&)> work, std::funct
     stage_.clear();
     fraction_ = 0.0;
     clock_.start();
+    told_.invalidate();
     timer_.start();
 }
 
@@ -74,8 +78,14 @@ void BackgroundJob::poll() {
         ended = shared->ended;
         failure = shared->failure;
     }
-    Q_EMIT progressed();
-    if (!ended || !running_ || shared != shared_) return;  // whoever heard of it may have cancelled it, or begun anew
+    takeDone();
+    const auto current = [&] { return running_ && shared == shared_; };  // whoever heard of it may have cancelled it, or begun anew
+    if (!current()) return;
+    if (!told_.isValid() || told_.hasExpired(kProgressMs) || ended) {
+        told_.start();
+        Q_EMIT progressed();
+    }
+    if (!ended || !current()) return;
     running_ = false;
     timer_.stop();
     thread_.join();

@@ -34,13 +34,15 @@ public:
     [[nodiscard]] double secondsLeft() const;
 
 signals:
-    void progressed();                ///< about 20 times a second while running
+    void progressed();                ///< some times a second while running, as who looks on can read; each time, somebody repaints
     void finished(bool completed);    ///< false: cancelled, or failed; Failures says why
 
 protected:
     /// Runs `work` on a new thread, then `done` on the GUI thread unless cancelled. `work` shares nothing with the GUI thread but what it captured. What one of
     /// them throws ends it like a cancel; then `failed` runs.
     void launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed = {});
+    /// About 20 times a second while running, and once when the work has ended: takes what is done so far.
+    virtual void takeDone() {}
 
 private:
     // What the thread and the GUI share; outlives the job while the thread still runs.
@@ -58,7 +60,7 @@ private:
     std::jthread abandoned_;
     std::function<void()> done_, failed_;
     QTimer timer_;
-    QElapsedTimer clock_;
+    QElapsedTimer clock_, told_;
     QString stage_;
     double fraction_ = 0.0;
     bool running_ = false;

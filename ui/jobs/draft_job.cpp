@@ -27,7 +27,6 @@ DraftJob::DraftJob(StudioDocument& document, QObject* parent) : BackgroundJob(pa
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         if (change.forResponses()) follow();
     });
-    connect(this, &BackgroundJob::progressed, this, &DraftJob::takeDone);
     soon_.setSingleShot(true);
     connect(&soon_, &QTimer::timeout, this, &DraftJob::start);
 }

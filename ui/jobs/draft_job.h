@@ -42,7 +42,7 @@ private:
     /// Begins with those that wait now.
     void start();
     /// Uses what is done by now, where the element still asks for it.
-    void takeDone();
+    void takeDone() override;
     /// Responses of inputOfDraft().
     void bring(const std::vector<std::pair<PartId, StoredResponse>>& responses);
 
