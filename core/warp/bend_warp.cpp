@@ -283,7 +283,7 @@ struct BendWarp::State {
     // What the linear response says.
     [[nodiscard]] double wantedVolume() const { return t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0)); }
 
-    // Step 5: along normals.
+    // Step 5: along normals, less where triangles around a vertex do not agree on one: a crease would get sharper. (The fourth number of a force sums areas.)
     void inflate() {
         if (!(t.volume > 0.0) || t.inflation.empty()) return;
         const double wanted = wantedVolume();
@@ -291,15 +291,17 @@ struct BendWarp::State {
         for (const auto& triangle : t.surface) {
             const Three x0 = three(at[triangle[0]]);
             const Three n = (three(at[triangle[1]]) - x0).cross(three(at[triangle[2]]) - x0);
-            const Vector4f normal = four(n);
+            const Vector4f normal(n.x, n.y, n.z, std::sqrt(n.squaredNorm()));
             for (const auto i : triangle) force[i] += normal;
         }
         double now = 0.0, slope = 0.0;
         for (int i = 0; i < t.vertices; ++i) {
-            const float length = std::sqrt(force[i].squaredNorm());
-            now += static_cast<double>(three(force[i]).dot(three(at[i]))) / 18.0;
-            slope += static_cast<double>(t.inflation[i] * length) / 6.0;
-            force[i] *= length > 1e-20f ? t.inflation[i] / length : 0.0f;
+            const Three normal = three(force[i]);
+            const float length = std::sqrt(normal.squaredNorm()), whole = force[i][3];
+            const float smooth = whole > 1e-20f ? length / whole : 0.0f, weight = t.inflation[i] * smooth * smooth;
+            now += static_cast<double>(normal.dot(three(at[i]))) / 18.0;
+            slope += static_cast<double>(weight * length) / 6.0;
+            force[i] = four((length > 1e-20f ? weight / length : 0.0f) * normal);
         }
         const double most = kMaxInflation * std::cbrt(t.volume);
         if (!(slope * most > 1e-6 * t.volume)) return;

@@ -33,7 +33,7 @@ struct BendWarpTables;
 ///   2  What two faces stretch along the line between them is done to the whole body first, with the contraction across it of a free bar. The rest
 ///      of A' v is carried along.
 ///   3  Its gradient on each triangle gives a rotation vector w and a strain e (the normal follows from the free surface: no shear there). The
-///      target of the triangle is R(w) exp(e) of itself; differences of principal strains are softened where they are large. Towards a face, triangles
+///      target of the triangle is R(w) exp(e) of itself; large strains are softened, and rotations with them. Towards a face, triangles
 ///      take its rotation and stretch instead (but not its twist): two bodies that meet smoothly at rest go on doing so when their joint bends,
 ///      where linear elasticity has a singular crease along a rigid rim.
 ///   4  Vertices follow by least squares over the surface, with a prefactorised system; rotations are fitted to the result and it is solved again

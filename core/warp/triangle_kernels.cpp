@@ -15,8 +15,8 @@ namespace imomushi {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A difference of principal strains d (half of it) counts as d / (1 + k d^2)^(1/4): exact to second order, .40 instead of .6 (a stretch of 1.8 along,
-// 1/1.8 across), and as asinh(4 d) / 4 up to there.
+// Half the difference d of principal strains counts as d / (1 + k d^2)^(1/4): exact to second order, .40 instead of .6 (a stretch of 1.8 along, 1/1.8 across), and as
+// asinh(4 d) / 4 up to there. Their mean is lessened by the same factor: where all of a pull goes into a thin ankle, it would grow across instead of thinner.
 constexpr float kSoftening = 32.0f / 3.0f;
 // Mean principal strains stay below this, approached smoothly, and differences at it: a factor of 20.
 constexpr float kMaxStrain = 3.0f;
@@ -129,17 +129,21 @@ HWY_INLINE V quickExp(V x) {
 HWY_INLINE Target targetOf(const Gradient& g) {
     const V one = set(1.0f), half = set(0.5f);
     // exp of the strain, in two dimensions: exp(mean) (cosh d + sinh d / d deviation).
-    const V sum = hn::Mul(half, hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMaxStrain));
-    const V mean = hn::Div(sum, hn::Sqrt(hn::MulAdd(most, most, one)));
     const V deviation = hn::Mul(half, hn::Sub(g.e11, g.e22)), squared = twoProducts(deviation, deviation, g.e12, g.e12), d = hn::Sqrt(squared);
-    const V softer = hn::Min(set(kMaxStrain), hn::Div(d, hn::Sqrt(hn::Sqrt(hn::MulAdd(set(kSoftening), squared, one)))));
+    const V softening = hn::Div(one, hn::Sqrt(hn::Sqrt(hn::MulAdd(set(kSoftening), squared, one))));
+    const V softer = hn::Min(set(kMaxStrain), hn::Mul(d, softening));
+    const V sum = hn::Mul(hn::Mul(half, softening), hn::Add(g.e11, g.e22)), most = hn::Mul(sum, set(1.0f / kMaxStrain));
+    const V mean = hn::Div(sum, hn::Sqrt(hn::MulAdd(most, most, one)));
     const V grown = quickExp(softer), shrunk = hn::Div(one, grown), size = quickExp(mean), halfSize = hn::Mul(half, size), least = set(1e-6f);
     const V c = hn::Mul(halfSize, hn::Add(grown, shrunk));
     const V s = hn::IfThenElse(hn::Gt(d, least), hn::Div(hn::Mul(halfSize, hn::Sub(grown, shrunk)), hn::Max(d, least)), size);
     const V a11 = hn::MulAdd(s, deviation, c), a22 = hn::NegMulAdd(s, deviation, c), a12 = hn::Mul(s, g.e12);
-    // The rotation, at most kMaxAngle: from an eighth of the angle by doubling, to 1e-5.
+    // Half the curl of a displacement is a rotation while strains are small. Where they are large, surfaces turn by slope over length: less by (1 + strain^4)^(1/4), which is
+    // exact to fifth order. Elsewhere at most kMaxAngle. From an eighth of the angle by doubling, to 1e-5.
     const V angle2 = dot(g.w, g.w), limit = set(kMaxAngle * kMaxAngle);
-    const V part = hn::Min(one, hn::Div(set(kMaxAngle), hn::Sqrt(hn::Max(angle2, limit))));
+    const V strain2 = hn::MulAdd(set(0.25f), hn::Mul(hn::Add(g.e11, g.e22), hn::Add(g.e11, g.e22)), squared);
+    const V less = hn::Div(one, hn::Sqrt(hn::Sqrt(hn::MulAdd(strain2, strain2, one))));
+    const V part = hn::Min(less, hn::Div(set(kMaxAngle), hn::Sqrt(hn::Max(angle2, limit))));
     const V x = hn::Mul(hn::Mul(angle2, hn::Mul(part, part)), set(1.0f / 64.0f));
     V sine = hn::NegMulAdd(x, hn::NegMulAdd(x, hn::NegMulAdd(x, set(1.0f / 5040.0f), set(1.0f / 120.0f)), set(1.0f / 6.0f)), one);
     V cosine = hn::NegMulAdd(
