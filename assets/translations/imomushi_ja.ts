@@ -7102,6 +7102,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             </translation>
         </message>
         <message>
+            <source>Nothing was copied yet.</source>
+            <translation>まだ何もコピーしていません。</translation>
+        </message>
+        <message>
             <source>What was copied cannot be read: copy it once more.</source>
             <translation>コピーしたものを読めません。もう一度コピーしてください。</translation>
         </message>

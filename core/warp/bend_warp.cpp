@@ -283,7 +283,7 @@ struct BendWarp::State {
     // What the linear response says.
     [[nodiscard]] double wantedVolume() const { return t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0)); }
 
-    // Step 5: along normals, less where triangles around a vertex do not agree on one: a crease would get sharper. (The fourth number of a force sums areas.)
+    // Step 5: along normals that are smoothed once, less where triangles do not agree on one: creases would get sharper. (The fourth number of a normal sums areas.)
     void inflate() {
         if (!(t.volume > 0.0) || t.inflation.empty()) return;
         const double wanted = wantedVolume();
@@ -294,14 +294,21 @@ struct BendWarp::State {
             const Vector4f normal(n.x, n.y, n.z, std::sqrt(n.squaredNorm()));
             for (const auto i : triangle) force[i] += normal;
         }
+        // Of the triangles around those around a vertex; the displacement is done with.
+        std::fill(displacement.begin(), displacement.end(), Vector4f::Zero());
+        for (const auto& triangle : t.surface) {
+            const Vector4f around = force[triangle[0]] + force[triangle[1]] + force[triangle[2]];
+            for (const auto i : triangle) displacement[i] += around;
+        }
         double now = 0.0, slope = 0.0;
         for (int i = 0; i < t.vertices; ++i) {
-            const Three normal = three(force[i]);
-            const float length = std::sqrt(normal.squaredNorm()), whole = force[i][3];
+            const Three normal = three(force[i]), around = three(displacement[i]);
+            const float length = std::sqrt(around.squaredNorm()), whole = displacement[i][3];
             const float smooth = whole > 1e-20f ? length / whole : 0.0f, weight = t.inflation[i] * smooth * smooth;
+            const Three way = (length > 1e-20f ? weight / length : 0.0f) * around;
             now += static_cast<double>(normal.dot(three(at[i]))) / 18.0;
-            slope += static_cast<double>(weight * length) / 6.0;
-            force[i] = four((length > 1e-20f ? weight / length : 0.0f) * normal);
+            slope += static_cast<double>(way.dot(normal)) / 6.0;
+            force[i] = four(way);
         }
         const double most = kMaxInflation * std::cbrt(t.volume);
         if (!(slope * most > 1e-6 * t.volume)) return;

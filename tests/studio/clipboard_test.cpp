@@ -4,6 +4,7 @@
 #include <QMimeData>
 
 #include "tests/studio/window.h"
+#include "ui/panels/effects_panel.h"
 #include "ui/window/clipboard_flow.h"
 
 using namespace imomushi;
@@ -31,6 +32,8 @@ TEST_CASE("clipboard: Ctrl+C and Ctrl+V make bones again, selected, as one step,
     QApplication::clipboard()->clear();
     chain(w);
     CHECK_FALSE(w.window().actions()["paste"]->isEnabled());
+    Q_EMIT w.window().findChild<EffectsPanel*>()->pasteWanted();  // its menu, which offers it always
+    CHECK(w.window().messages().text() == "Nothing was copied yet.");
     key(w, Qt::Key_C);
     CHECK(QApplication::clipboard()->mimeData()->hasFormat(QLatin1String(ClipboardFlow::kMime)));
     CHECK(w.window().actions()["paste"]->isEnabled());

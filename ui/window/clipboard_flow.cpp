@@ -64,7 +64,7 @@ void ClipboardFlow::cutSelected() {
 
 void ClipboardFlow::paste() {
     const QMimeData* data = QGuiApplication::clipboard()->mimeData();
-    if (!data || !data->hasFormat(QLatin1String(kMime))) return;
+    if (!data || !data->hasFormat(QLatin1String(kMime))) return Q_EMIT warned(tr("Nothing was copied yet."));
     const QByteArray bytes = data->data(QLatin1String(kMime));
     const Json content = bytes.size() > kMostBytes ? Json() : Json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!content.is_object() || !content.contains("commands") || !content["commands"].is_array()) return Q_EMIT warned(tr("What was copied cannot be read: copy it once more."));

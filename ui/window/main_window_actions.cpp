@@ -175,7 +175,10 @@ void MainWindow::connectClipboard() {
         for (const EffectKind effect : wanted) names.emplace_back(effectName(effect));
         if (clipboard_->copy(names)) messages().say(tr("Copied the settings"), MessageBar::Tone::Good);
     });
-    connect(&effects(), &EffectsPanel::pasteWanted, (*actions_)["paste"], &QAction::trigger);
+    connect(&effects(), &EffectsPanel::pasteWanted, this, [this] {
+        settle();
+        clipboard_->paste();
+    });
 }
 
 void MainWindow::connectSoftActions() {
