@@ -15,7 +15,7 @@ if [ -z "${TMPDIR:-}" ] && [ "$room" -gt 3000000 ]; then
     trap 'rm -rf "$TMPDIR"' EXIT
 fi
 
-# Freed memory is kept for the next solve: to be given pages that the kernel has cleared takes a tenth of the time.
+# Programs keep the memory that they free: else a tenth of a solve is the kernel that clears new pages.
 export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.mmap_max=0:glibc.malloc.trim_threshold=4000000000}
 
 # What needs a display brings one of its own, and waits for it: one test more than there are processors.

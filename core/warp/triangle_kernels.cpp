@@ -139,7 +139,7 @@ HWY_INLINE Target targetOf(const Gradient& g) {
     const V s = hn::IfThenElse(hn::Gt(d, least), hn::Div(hn::Mul(halfSize, hn::Sub(grown, shrunk)), hn::Max(d, least)), size);
     const V a11 = hn::MulAdd(s, deviation, c), a22 = hn::NegMulAdd(s, deviation, c), a12 = hn::Mul(s, g.e12);
     // Half the curl of a displacement is a rotation while strains are small. Where they are large, surfaces turn by slope over length: less by (1 + strain^4)^(1/4), which is
-    // exact to fifth order. Elsewhere at most kMaxAngle. From an eighth of the angle by doubling, to 1e-5.
+    // exact to fourth order. Elsewhere at most kMaxAngle. From an eighth of the angle by doubling, to 1e-5.
     const V angle2 = dot(g.w, g.w), limit = set(kMaxAngle * kMaxAngle);
     const V strain2 = hn::MulAdd(set(0.25f), hn::Mul(hn::Add(g.e11, g.e22), hn::Add(g.e11, g.e22)), squared);
     const V less = hn::Div(one, hn::Sqrt(hn::Sqrt(hn::MulAdd(strain2, strain2, one))));

@@ -44,6 +44,7 @@ TEST_CASE("drag: the magnet and the gizmo's axes are chosen by their actions, ke
     CHECK(!w.window().actions()["axes-world"]->isChecked());
     CHECK(QSettings().value(QStringLiteral("drag/axes")).toInt() == 1);
     w.trigger("axes-world");
+    w.trigger("snap");
     QSettings().remove(QStringLiteral("drag/grid-step"));
 }
 

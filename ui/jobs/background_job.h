@@ -34,7 +34,7 @@ public:
     [[nodiscard]] double secondsLeft() const;
 
 signals:
-    void progressed();                ///< some times a second while running, as who looks on can read; each time, somebody repaints
+    void progressed();                ///< at most 5 times a second while running, and when the work has ended
     void finished(bool completed);    ///< false: cancelled, or failed; Failures says why
 
 protected:
