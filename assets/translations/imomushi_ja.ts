@@ -1947,6 +1947,10 @@
             <translation>ミラー</translation>
         </message>
         <message>
+            <source>Move, turn or scale</source>
+            <translation>移動、回転、拡大縮小</translation>
+        </message>
+        <message>
             <source>Replace mesh</source>
             <translation>メッシュを置き換え</translation>
         </message>
@@ -2430,6 +2434,22 @@
         <message>
             <source>Drag: scale along %1</source>
             <translation>ドラッグ：%1 に沿って拡大縮小</translation>
+        </message>
+        <message>
+            <source>Drag: scale · Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
+            <translation>ドラッグ：拡大縮小 · 数値を入力 · Shift：細かく · Ctrl：スナップ · Esc：取り消し</translation>
+        </message>
+        <message>
+            <source>What is scaled must be precomputed again</source>
+            <translation>拡大縮小したものは事前計算をやり直します</translation>
+        </message>
+        <message>
+            <source>Results go along</source>
+            <translation>計算結果も一緒に動きます</translation>
+        </message>
+        <message>
+            <source>Click or drag a box: select · G: move, then R: turn · S: scale · Delete: remove</source>
+            <translation>クリックか囲むドラッグ：選択 · G：移動、続けて R：回転 · S：拡大縮小 · Delete：削除</translation>
         </message>
         <message>
             <source>Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>

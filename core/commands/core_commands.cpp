@@ -11,6 +11,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addAppendCommand(registry);
     addDuplicateCommand(registry);
     addMirrorCommand(registry);
+    addTransformCommand(registry);
     addCopyCommand(registry);
     addPasteCommand(registry);
     addReplaceCommand(registry);

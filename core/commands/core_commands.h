@@ -15,7 +15,8 @@ void addRigCommands(CommandRegistry& registry);       // import-skeleton, take-c
 void addRepairCommands(CommandRegistry& registry);    // repair
 void addAppendCommand(CommandRegistry& registry);     // append
 void addDuplicateCommand(CommandRegistry& registry);  // duplicate
-void addMirrorCommand(CommandRegistry& registry);     // mirror
+void addMirrorCommand(CommandRegistry& registry);
+void addTransformCommand(CommandRegistry& registry);  // transform
 void addCopyCommand(CommandRegistry& registry);       // copy
 void addPasteCommand(CommandRegistry& registry);      // paste
 void addReplaceCommand(CommandRegistry& registry);    // replace-mesh

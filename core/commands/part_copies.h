@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 #include <map>
 #include <set>
@@ -10,26 +9,9 @@
 #include <vector>
 
 #include "core/commands/document_edit.h"
+#include "core/commands/placing.h"
 
 namespace imomushi {
-
-/// Where copies stand: an isometry x -> linear * x + shift, m.
-struct Placing {
-    Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< a rotation, or a reflection
-    Vec3 shift = Vec3::Zero();
-
-    /// The mirror image in the plane across `axis` (0...2) at `at`, m. Exact but for one rounding of that coordinate.
-    static Placing mirror(int axis, double at);
-    [[nodiscard]] bool turns() const { return linear != Eigen::Matrix3d::Identity(); }
-    [[nodiscard]] bool moves() const { return turns() || shift != Vec3::Zero(); }
-    [[nodiscard]] bool mirrors() const;
-    [[nodiscard]] Vec3 point(const Vec3& p) const { return turns() ? Vec3(linear * p + shift) : Vec3(p + shift); }
-    [[nodiscard]] CutPlane plane(const CutPlane& plane) const { return {point(plane.origin), linear * plane.normal}; }
-    /// Triangles of mirror images are turned round, so that they still face outward: their second and third corners are exchanged.
-    [[nodiscard]] TriangleMesh mesh(const TriangleMesh& mesh) const;
-    [[nodiscard]] ElementMesh mesh(const ElementMesh& mesh) const;
-    [[nodiscard]] JointFace face(const JointFace& face) const;
-};
 
 /// Copies parts of a document into itself or into another one. References among the copied parts point to the copies. Options say how copies are named; match() says what stands for
 /// a part that is not copied.

@@ -23,7 +23,7 @@ public:
         if (d.elements.size() < 2 || (d.elements.size() < 6 && below(12) == 0)) return import();
         if (d.bones.size() < 2 && below(2)) return below(2) ? addFace() : Json{{"do", "add-bone"}, {"name", name()}, {"from", face()}, {"to", face()}};
         if (d.takes.empty() && below(6) == 0) return {{"do", "record"}, {"take", "take"}, {"action", below(2) ? "start" : "stop"}};
-        switch (below(38)) {
+        switch (below(39)) {
             case 0: return addFace();
             case 1:
             case 2: return {{"do", "join"}, {"a", face()}, {"b", face()}};
@@ -61,6 +61,7 @@ public:
             case 34: return {{"do", "apply-pose"}, {"name", pose()}, {"share", number(-0.1, 1.1)}, {"mirrored", below(2) == 0}};
             case 35: return below(2) ? Json{{"do", "mirror-pose"}} : Json{{"do", "rest-bones"}, {"bones", {bone()}}, {"chain", below(2) == 0}};
             case 36: return below(2) ? Json{{"do", "set"}, {"target", handle()}, {"property", "point"}, {"value", vertex()}} : below(2) ? Json{{"do", "rename-pose"}, {"pose", pose()}, {"name", name()}} : Json{{"do", "remove-pose"}, {"pose", pose()}};
+            case 37: return transform();
             default: return below(4) ? Json{{"do", "redo"}} : Json{{"do", "precompute"}};
         }
     }
@@ -112,6 +113,13 @@ private:
         const Points& all = std::next(elements.begin(), static_cast<std::ptrdiff_t>(below(elements.size())))->second->mesh->body.vertices;
         const auto v = static_cast<Eigen::Index>(below(static_cast<std::size_t>(all.rows())));
         return {all(v, 0), all(v, 1), all(v, 2)};
+    }
+    Json transform() {
+        Json made{{"do", "transform"}, {"names", {element()}}};
+        if (below(2)) made["shift"] = place(1.0);
+        if (below(3) == 0) made["rotation"] = {number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0)};
+        if (below(6) == 0) made["scale"] = number(-0.1, 2.0);
+        return made;
     }
     Json import() {
         const std::string place = std::to_string(below(5));

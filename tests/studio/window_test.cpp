@@ -75,6 +75,7 @@ TEST_CASE("studio: language and theme change at run time, everywhere and back") 
     Window w;
     build(w);
     const QString hint = w.window().status().hint();
+    const auto selected = w.document().selection();
     const QColor dark = w.window().palette().color(QPalette::Window);
     Appearance::instance().setLanguage(QStringLiteral("ja"));
     w.settle();
@@ -94,6 +95,7 @@ TEST_CASE("studio: language and theme change at run time, everywhere and back") 
     w.shoot("contrast");
     Appearance::instance().setTheme(Appearance::Theme::Dark);
     Appearance::instance().setLanguage(QStringLiteral("en"));
+    w.document().select(selected);
     w.settle();
     CHECK(w.window().palette().color(QPalette::Window) == dark);
     CHECK(w.window().status().hint() == hint);

@@ -171,6 +171,14 @@ Json paste(Json commands, const std::string& onto) {
 }
 Json mirror(const std::vector<std::string>& names, char axis) { return {{"do", "mirror"}, {"from", names}, {"axis", std::string(1, axis)}}; }
 Json mirrorAt(const std::vector<std::string>& names, double at) { return {{"do", "mirror"}, {"from", names}, {"axis", "x"}, {"at", at}}; }
+Json transform(const std::vector<std::string>& names, const Vec3& shift, const Eigen::Quaterniond& rotation, double scale, const Vec3& about) {
+    Json command = {{"do", "transform"}, {"names", names}};
+    if (shift != Vec3::Zero()) command["shift"] = vector(shift);
+    if (rotation.vec().norm() > 0.0) command["rotation"] = {rotation.x(), rotation.y(), rotation.z(), rotation.w()};
+    if (scale != 1.0) command["scale"] = scale;
+    if (command.contains("rotation") || command.contains("scale")) command["about"] = vector(about);
+    return command;
+}
 Json removeElement(const std::string& name) { return {{"do", "remove-element"}, {"name", name}}; }
 
 Json attach(const Attach& choices) {

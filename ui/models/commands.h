@@ -151,6 +151,8 @@ Json paste(Json commands, const std::string& onto);
 Json mirror(const std::vector<std::string>& names, char axis);
 /// Left and right of the plane x = `at`, m.
 Json mirrorAt(const std::vector<std::string>& names, double at);
+/// Elements and characters, with what hangs together with them: scaled and turned about a point, then shifted, m.
+Json transform(const std::vector<std::string>& names, const Vec3& shift, const Eigen::Quaterniond& rotation, double scale, const Vec3& about);
 /// Or a whole character.
 Json removeElement(const std::string& name);
 /// `element`: or a character, whichever of its elements the plane cuts. `names`: of the pieces, the one behind the plane first. m.

@@ -199,6 +199,7 @@ const std::map<std::string, const char*> kSteps = {
     {"paste", QT_TRANSLATE_NOOP("Steps", "Paste")},
     {"duplicate", QT_TRANSLATE_NOOP("Steps", "Duplicate")},
     {"mirror", QT_TRANSLATE_NOOP("Steps", "Mirror")},
+    {"transform", QT_TRANSLATE_NOOP("Steps", "Move, turn or scale")},
     {"replace-mesh", QT_TRANSLATE_NOOP("Steps", "Replace mesh")},
     {"repair", QT_TRANSLATE_NOOP("Steps", "Repair mesh")},
     {"cut", QT_TRANSLATE_NOOP("Steps", "Cut element")},

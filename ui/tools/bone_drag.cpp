@@ -14,9 +14,6 @@
 namespace imomushi {
 namespace {
 
-/// Nearer to the pivot than this, logical pixels, the pointer neither turns nor scales.
-constexpr double kLeastBoneArm = 4.0;
-
 const Bone::Place* placeOf(const Document& document, const EndpointRef& end) {
     const auto bone = document.bones.find(end.bone);
     if (bone == document.bones.end()) return nullptr;
@@ -55,12 +52,12 @@ std::optional<BoneDrag::Point> BoneDrag::pointOf(const EndpointRef& end) const {
 
 bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal) {
     if (points.empty()) return false;
-    Drag drag;
-    for (const Point& point : points) drag.pivot += point.shown / double(points.size());
-    drag.points = std::move(points);
-    drag.first = drag.last = e;
-    drag.modal = modal;
-    drag.lock.setFrame(gizmoAxes(space_, axesOfBone(document_.session(), document_.selection().empty() ? 0 : document_.selection().front().part), e.viewForward, e.viewRight));
+    TransformDrag::Of of;
+    for (const Point& point : points) of.pivot += point.shown / double(points.size());
+    of.axes = gizmoAxes(space_, axesOfBone(document_.session(), document_.selection().empty() ? 0 : document_.selection().front().part), e.viewForward, e.viewRight);
+    of.modal = modal;
+    of.turns = points.size() > 1;  // one end alone has nothing to turn or to scale
+    Drag drag{TransformDrag(does, of, e), std::move(points)};
     findImages(drag);
     drag_ = std::move(drag);
     snap_.begin({[this](const EndpointRef& end) {
@@ -68,7 +65,7 @@ bool BoneDrag::start(Does does, std::vector<Point> points, const PointerEvent& e
                      return drag_ && std::any_of(drag_->points.begin(), drag_->points.end(), [&](const Point& p) { return p.index == index; });
                  },
                  {}});
-    choose(does);
+    drag_->by.choose(does, snap_);
     return true;
 }
 
@@ -104,104 +101,20 @@ std::optional<GizmoPlace> BoneDrag::gizmo() const {
 }
 
 bool BoneDrag::press(render::GizmoPart part, const PointerEvent& e) {
-    const bool scales = render::isOneOf(part, render::GizmoPart::ScaleX);
-    if (!start(turnsBy(part) ? Does::Turns : scales ? Does::Scales : Does::Moves, chosen(), e, false)) return false;
-    lockTo(drag_->lock, part);
-    choose(drag_->does);
+    if (!start(TransformDrag::doneBy(part), chosen(), e, false)) return false;
+    drag_->by.lockTo(part, snap_);
     return true;
 }
 
-void BoneDrag::choose(Does does) {
-    Drag& drag = *drag_;
-    drag.does = does;
-    drag.typed.clear();
-    drag.step = Vec3::Zero();
-    drag.angle = 0.0;
-    drag.factor = 1.0;
-    drag.near.reset();
-    drag.first = drag.last;
-    const Vec3 plane = drag.lock.plane(drag.last);
-    drag.grip = drag.last.onPlane(drag.pivot, plane, drag.pivot);
-    settle();
-}
-
 bool BoneDrag::seeksPlace() const {
-    return drag_ && drag_->does == Does::Moves && drag_->points.size() == 1 && drag_->lock.free() && !drag_->typed.leads() && !snap_.settings().on && !snap_.acts(drag_->last);
+    return drag_ && drag_->by.does() == Does::Moves && drag_->points.size() == 1 && !drag_->by.locked() && !drag_->by.typing() && !snap_.settings().on && !snap_.acts(drag_->by.last());
 }
 
 void BoneDrag::move(const PointerEvent& e, const std::optional<Place>& near) {
-    Drag& drag = *drag_;
-    const PointerEvent before = std::exchange(drag.last, e);
-    if (!drag.moved && !drag.modal && std::hypot(e.x - drag.first.x, e.y - drag.first.y) < kDragPixels) return;
-    drag.moved = true;
-    drag.near = seeksPlace() ? near : std::nullopt;
-    follow(before, e);
-    settle();
+    if (drag_->by.move(e, snap_)) drag_->near = seeksPlace() ? near : std::nullopt;
 }
 
-void BoneDrag::follow(const PointerEvent& before, const PointerEvent& e) {
-    Drag& drag = *drag_;
-    if (drag.does == Does::Moves) {
-        const Vec3 plane = drag.lock.plane(e);
-        if (plane.norm() < 0.5) return;
-        const Vec3 under = e.onPlane(drag.grip, plane, drag.grip);
-        drag.step += drag.lock.confined(e.pace() * (under - drag.grip));
-        drag.grip = under;
-        return;
-    }
-    const auto middle = e.onScreen(drag.pivot);
-    if (!middle) return;
-    const Eigen::Vector2d from = Eigen::Vector2d(before.x, before.y) - *middle, to = Eigen::Vector2d(e.x, e.y) - *middle;
-    if (from.norm() < kLeastBoneArm || to.norm() < kLeastBoneArm) return;
-    if (drag.does == Does::Scales) {
-        drag.factor *= std::pow(to.norm() / from.norm(), e.pace());
-        return;
-    }
-    // Counted as it is seen: the screen's y goes down.
-    const double by = std::atan2(from.y() * to.x() - from.x() * to.y(), from.dot(to));
-    const double side = drag.lock.alongAxis() && turningAxis().dot(e.viewForward) > 0.0 ? -1.0 : 1.0;
-    drag.angle += e.pace() * side * by;
-}
-
-Vec3 BoneDrag::turningAxis() const { return drag_->lock.alongAxis() ? drag_->lock.direction() : Vec3(-drag_->last.viewForward); }
-
-TypedNumber::Of BoneDrag::of() const {
-    switch (drag_->does) {
-        case Does::Turns: return TypedNumber::Of::Angle;
-        case Does::Scales: return TypedNumber::Of::Factor;
-        case Does::Moves: break;
-    }
-    return TypedNumber::Of::Length;
-}
-
-std::string BoneDrag::axes() const { return drag_->does == Does::Moves ? drag_->lock.axes() : std::string(); }
-
-void BoneDrag::settle() {
-    Drag& drag = *drag_;
-    PointerEvent e = drag.last;
-    e.bonesVisible = true;
-    const bool snaps = drag.does == Does::Moves && drag.moved && !drag.typed.leads();
-    if (!snaps) snap_.clear();
-    switch (drag.does) {
-        case Does::Turns: drag.goes = {snap_.angle(e, drag.angle), 0.0, 0.0}; break;
-        case Does::Scales: drag.goes = {snap_.factor(e, drag.factor), 0.0, 0.0}; break;
-        case Does::Moves: {
-            const Vec3 to = snaps ? Vec3(snap_.point(e, drag.pivot + drag.step, !drag.lock.free())) : Vec3(drag.pivot + drag.step);
-            drag.goes = drag.lock.toAxes(to - drag.pivot);
-            break;
-        }
-    }
-}
-
-Vec3 BoneDrag::placed(const Point& point) const {
-    const Drag& drag = *drag_;
-    if (drag.near) return drag.near->shown;
-    const auto values = drag.typed.values(pointed());
-    const Vec3 arm = point.shown - drag.pivot;
-    if (drag.does == Does::Moves) return point.shown + drag.lock.fromAxes(values);
-    if (drag.does == Does::Turns) return drag.pivot + Eigen::AngleAxisd(values[0], turningAxis()) * arm;
-    return drag.pivot + arm + (values[0] - 1.0) * drag.lock.confined(arm);
-}
+Vec3 BoneDrag::placed(const Point& point) const { return drag_->near ? drag_->near->shown : drag_->by.placed(point.shown); }
 
 void BoneDrag::findImages(Drag& drag) const {
     if (!symmetry_) return;
@@ -234,7 +147,7 @@ bool BoneDrag::place(const Goal& goal) {
 }
 
 bool BoneDrag::keep() {
-    const bool moved = drag_->moved;
+    const bool moved = drag_->by.moved();
     std::vector<Goal> all, images;
     const Document& d = document_.document();
     const auto hung = [&](const Bone::Place& place) -> std::variant<std::string, Vec3> {
@@ -280,40 +193,24 @@ bool BoneDrag::keep() {
 }
 
 bool BoneDrag::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
-    Drag& drag = *drag_;
-    if (key == Qt::Key_Return || key == Qt::Key_Enter) {
+    if (key == Qt::Key_Return || key == Qt::Key_Enter)
         keep();
-    } else if (drag.typed.key(key, text, of(), axes())) {
-        drag.moved = true;
-        settle();
-    } else if (drag.lock.key(key, modifiers)) {
-        drag.step = drag.lock.confined(drag.step);
-        drag.grip = drag.last.onPlane(drag.pivot + drag.step, drag.lock.plane(drag.last), drag.pivot + drag.step);
-        drag.near.reset();
-        if (drag.does == Does::Moves) drag.typed.setAxes(axes());
-        settle();
-    } else if (key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S) {
-        // One end alone has nothing to turn or to scale.
-        if (key == Qt::Key_G || drag.points.size() > 1) choose(key == Qt::Key_G ? Does::Moves : key == Qt::Key_R ? Does::Turns : Does::Scales);
-    }
+    else if (drag_->by.key(key, modifiers, text, snap_))
+        drag_->near.reset();
     return true;
 }
 
-QString BoneDrag::banner() const {
-    if (!drag_) return {};
-    const QString typed = drag_->typed.shown(pointed());
-    return typed.isEmpty() ? drag_->lock.text(drag_->last) : typed;
-}
+QString BoneDrag::banner() const { return drag_ ? drag_->by.banner() : QString(); }
 
 QString BoneDrag::hint() const {
-    return snap_.before(drag_->modal ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
-                        : drag_->does != Does::Moves || drag_->points.size() > 1 || !drag_->lock.free()
+    return snap_.before(drag_->by.modal() ? ToolTexts::tr("Click or Enter: keep · G, R, S: move, turn, scale · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
+                        : drag_->by.does() != Does::Moves || drag_->points.size() > 1 || drag_->by.locked()
                             ? ToolTexts::tr("Release: keep · X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · Esc: cancel")
                             : ToolTexts::tr("Release: the bone ends here · X, Y, Z: lock axis · Type a number · Ctrl: snap, and pass by joint faces · Esc: cancel"));
 }
 
 void BoneDrag::decorate(render::Scene& scene) const {
-    if (!drag_ || !drag_->moved) return;
+    if (!drag_ || !drag_->by.moved()) return;
     const Session& session = document_.session();
     const auto shownImage = [&](const Image& image) -> Vec3 {
         const Point& of = drag_->points[image.of];
@@ -346,7 +243,7 @@ void BoneDrag::decorate(render::Scene& scene) const {
         marker.hovered = true;
         if (allFinite(marker.from)) scene.markers.push_back(std::move(marker));
     }
-    drag_->lock.decorate(scene, drag_->pivot);
+    drag_->by.decorate(scene);
     snap_.decorate(scene);
 }
 

@@ -4,12 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "ui/tools/axis_lock.h"
 #include "ui/tools/gizmo.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/symmetry.h"
-#include "ui/tools/typed_number.h"
+#include "ui/tools/transform_drag.h"
 
 namespace imomushi {
 
@@ -17,7 +16,7 @@ namespace imomushi {
 /// themselves change at the end, in one undo step. An end that is moved alone and snaps to nothing is hung on joint faces and other ends near to the pointer.
 class BoneDrag {
 public:
-    enum class Does { Moves, Turns, Scales };
+    using Does = TransformDrag::Does;
 
     explicit BoneDrag(StudioDocument& document) : document_(document), snap_(document) {}
     void setOptions(const ToolOptions& options) {
@@ -43,7 +42,7 @@ public:
     bool keep();
     void cancel() { drag_.reset(); }
     [[nodiscard]] bool busy() const { return drag_.has_value(); }
-    [[nodiscard]] bool modal() const { return drag_ && drag_->modal; }
+    [[nodiscard]] bool modal() const { return drag_ && drag_->by.modal(); }
     /// It moves one end alone, which a place near to the pointer may take.
     [[nodiscard]] bool seeksPlace() const;
     /// True: used.
@@ -66,22 +65,12 @@ private:
         std::size_t of = 0;  ///< of Drag::points
     };
     struct Drag {
-        Does does = Does::Moves;
+        TransformDrag by;
         std::vector<Point> points;
-        std::vector<Image> images;
-        std::optional<Symmetry> symmetry;
-        std::vector<EndpointRef> alone;  ///< ends that have nothing on the other side
-        Vec3 pivot = Vec3::Zero();   ///< m, as shown
-        PointerEvent first, last;
-        bool modal = false, moved = false;
-        AxisLock lock;
-        TypedNumber typed;
-        Vec3 step = Vec3::Zero();    ///< that the pointer says, m
-        Vec3 grip = Vec3::Zero();    ///< under the pointer at the last move, m
-        double angle = 0.0;          ///< radians
-        double factor = 1.0;
-        std::array<double, 3> goes{};  ///< what the pointer says, snapped: see pointed()
-        std::optional<Place> near;
+        std::vector<Image> images = {};
+        std::optional<Symmetry> symmetry = {};
+        std::vector<EndpointRef> alone = {};  ///< ends that have nothing on the other side
+        std::optional<Place> near = {};
     };
     [[nodiscard]] std::optional<Point> pointOf(const EndpointRef& end) const;
     /// Of what is selected.
@@ -95,14 +84,6 @@ private:
     /// False: refused.
     bool place(const Goal& goal);
     bool start(Does does, std::vector<Point> points, const PointerEvent& e, bool modal);
-    void choose(Does does);
-    void follow(const PointerEvent& before, const PointerEvent& e);
-    [[nodiscard]] TypedNumber::Of of() const;
-    [[nodiscard]] std::string axes() const;
-    /// Snaps what the pointer says.
-    void settle();
-    [[nodiscard]] std::array<double, 3> pointed() const { return drag_->goes; }
-    [[nodiscard]] Vec3 turningAxis() const;
     [[nodiscard]] Vec3 placed(const Point& point) const;  ///< as shown
 
     StudioDocument& document_;

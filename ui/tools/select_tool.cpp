@@ -92,10 +92,12 @@ bool removeSelection(StudioDocument& document) {
 void SelectTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton) return;
     if (cut_.modal()) return cut_.keep();
+    if (body_.modal()) return (void)body_.keep();
     if (pose_.modal()) return pose_.press(e);
     if (busy()) return;
     // What is selected is what is meant.
     if (pose_.gizmoPart(e) != render::GizmoPart::None) return pose_.press(e);
+    if (const auto part = body_.gizmoPart(e); part != render::GizmoPart::None && body_.press(part, e)) return;
     if (!(e.modifiers & Qt::ShiftModifier) && cut_.press(e)) return;
     const auto item = pickItem(document_.session(), e);
     if (item && isGrip(document_, *item) && !(e.modifiers & Qt::ShiftModifier)) return pose_.press(e);
@@ -118,6 +120,8 @@ void SelectTool::move(const PointerEvent& e) {
             for (const SelectionItem& item : itemsWithin(document_.session(), e, *area))
                 if (std::find(items.begin(), items.end(), item) == items.end()) items.push_back(item);
         document_.select(std::move(items));
+    } else if (body_.busy()) {
+        body_.move(e);
     } else if (cut_.busy()) {
         cut_.move(e);
     } else if (part_.busy()) {
@@ -130,6 +134,13 @@ void SelectTool::move(const PointerEvent& e) {
         pose_.move(e);
     } else if (e.buttons == Qt::NoButton) {
         pose_.leaveGizmo();
+        const auto part = body_.gizmoPart(e);
+        body_.hover(part);
+        if (part != render::GizmoPart::None) {
+            overCut_ = false;
+            part_.leave();
+            return document_.setHovered(std::nullopt);
+        }
         const auto item = pickItem(document_.session(), e);
         overCut_ = cut_.over(e);
         if (overCut_ || (item && (isGrip(document_, *item) || isBone(*item))))
@@ -145,6 +156,11 @@ void SelectTool::release(const PointerEvent& e) {
         const bool clicked = e.button == Qt::LeftButton && !cut_.moved();
         cut_.release(e);
         if (clicked) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return;
+    }
+    if (body_.busy()) {
+        if (body_.modal() || e.button != Qt::LeftButton) return;
+        if (!body_.keep()) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
         return;
     }
     if (part_.busy()) {
@@ -168,6 +184,7 @@ void SelectTool::release(const PointerEvent& e) {
 void SelectTool::cancel() {
     cut_.cancel();
     part_.cancel();
+    body_.cancel();
     if (!drag_) return pose_.cancel();
     document_.select(std::move(drag_->before));
     drag_.reset();
@@ -184,26 +201,32 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& te
     if (drag_) return true;
     if (cut_.busy()) return cut_.key(key, text);
     if (part_.busy()) return part_.key(key, text);
+    if (body_.busy()) return body_.key(key, modifiers, text);
     if (busy()) return pose_.key(key, modifiers, text);
-    if (key == Qt::Key_G && modifiers == Qt::NoModifier && last_) return cut_.begin(false, *last_) || pose_.grabSelected(*last_);
+    if (key == Qt::Key_G && modifiers == Qt::NoModifier && last_) return body_.begin(BodyDrag::Does::Moves, *last_) || cut_.begin(false, *last_) || pose_.grabSelected(*last_);
+    if (key == Qt::Key_S && modifiers == Qt::NoModifier && last_) return body_.begin(BodyDrag::Does::Scales, *last_);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
 }
 
 bool SelectTool::wants(int key) const {
     if (cut_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
+    if (body_.busy()) return key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
     if (busy()) return pose_.wants(key);
+    if ((key == Qt::Key_G || key == Qt::Key_S) && last_ && body_.chosen()) return true;
     return key == Qt::Key_G && last_ && document_.selection().size() == 1 && (cutOf(document_.document(), document_.selection().front()) || pose_.gripSelected());
 }
 
 QString SelectTool::hint() const {
     if (drag_) return drag_->free ? ToolTexts::tr("Release: select what the loop touches · Esc: cancel") : ToolTexts::tr("Release: select what the box touches · Esc: cancel");
     if (cut_.busy() || overCut_) return cut_.hint();
+    if (const QString body = body_.hint(); !body.isEmpty()) return body;
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (busy() || overGizmo_) return pose_.hint();
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");
     if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add");
+    if (body_.chosen()) return ToolTexts::tr("Click or drag a box: select · G: move, then R: turn · S: scale · Delete: remove");
     return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add · Delete: remove");
 }
 
