@@ -17,6 +17,7 @@
 #include "ui/panels/takes_panel.h"
 #include "ui/scene/cut_frame.h"
 #include "ui/tools/picking.h"
+#include "ui/widgets/number_field.h"
 #include "ui/window/studio_docks.h"
 
 using namespace imomushi;
