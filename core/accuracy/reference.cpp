@@ -2,7 +2,6 @@
 #include "core/accuracy/reference.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "core/accuracy/machine.h"
 #include "core/base/clock.h"
+#include "core/base/decompositions.h"
 #include "core/base/try.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/previous_model.h"
@@ -107,7 +107,7 @@ Eigen::VectorXd smoothPart(const CharacterInput::Element& element, const Element
             C.middleRows<3>(3 * k) = basis.at(face.frame.toLocal(rest));
             u.segment<3>(3 * k) = face.frame.axes.transpose() * (back * Vec3(positions.row(vertex).transpose()) - rest);
         }
-        v.segment(smooth.firstColumn[f], basis.columns()) = C.completeOrthogonalDecomposition().solve(u);
+        v.segment(smooth.firstColumn[f], basis.columns()) = leastSquares(C, u);
     }
     return v;
 }

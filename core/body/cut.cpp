@@ -7,6 +7,7 @@
 
 #include "core/base/finite.h"
 #include "core/base/formatted.h"
+#include "core/base/try.h"
 #include "core/body/body_codec.h"
 #include "core/body/cut_pieces.h"
 #include "core/mesh/health.h"

@@ -312,8 +312,8 @@ private:
         for (const auto& [root, members] : all) {
             if (shells.contains(root)) continue;
             for (const std::int32_t p : members)
-                forSides(polygons_[static_cast<std::size_t>(p)], [&](std::int32_t id, std::int32_t) {
-                    if (id < bodyVertices()) pieceOf[static_cast<std::size_t>(id)] = root;
+                forSides(polygons_[static_cast<std::size_t>(p)], [&, piece = root](std::int32_t id, std::int32_t) {
+                    if (id < bodyVertices()) pieceOf[static_cast<std::size_t>(id)] = piece;
                 });
             cut.emplace_back(root, build(root, members).body);
         }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/lateral_contraction.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 
@@ -83,7 +84,7 @@ std::vector<double> leastEnergyContractions(const CharacterInput& input) {
     // Joints without a response, and combinations that cost nothing, stay as they are.
     const double ridge = 1e-12 * std::max(matrix.diagonal().cwiseAbs().maxCoeff(), 1e-300);
     matrix.diagonal().array() += ridge;
-    const Eigen::VectorXd stretch = matrix.ldlt().solve(right);
+    const Eigen::VectorXd stretch = solveSymmetric(matrix, right);
     std::vector<double> c(joints, 0.0);
     for (int j = 0; j < joints; ++j)
         if (std::abs(shift[j]) > 0.0 && std::isfinite(stretch[j])) c[j] = stretch[j] / shift[j];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/render_mesh_job.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <span>
 
+#include "core/base/decompositions.h"
 #include "core/base/rotation_vector.h"
 #include "core/character/frame.h"
 
@@ -23,10 +23,9 @@ Eigen::Map<Eigen::Vector3f> shownAt(ElementState& of, std::int32_t vertex) {
 
 /// Of all rotations the nearest to a gradient.
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& gradient) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(gradient, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d u = svd.matrixU();
-    if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
-    return u * svd.matrixV().transpose();
+    auto [u, v, values] = singularValuesOf(gradient);
+    if (u.determinant() * v.determinant() < 0.0) u.col(2) = -u.col(2);
+    return u * v.transpose();
 }
 
 /// What an attached part does, from its pivot at rest to the world, by the four vertices of its frame and its turn.

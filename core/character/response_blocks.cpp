@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/response_blocks.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 
@@ -69,11 +70,11 @@ Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::Matri
     // Least squares over the free vertices about their mean, in their principal axes.
     const Eigen::RowVector3d mean = rest.colwise().mean();
     const Points x = rest.rowwise() - mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(x.transpose() * x);
+    const auto axes = eigenpairsOf(Eigen::Matrix3d(x.transpose() * x));
     Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
     for (int i = 0; i < 3; ++i)
-        if (axes.eigenvalues()[i] > kFlatBlock * kFlatBlock * axes.eigenvalues()[2]) inverse[i] = 1.0 / axes.eigenvalues()[i];
-    const Eigen::Matrix3d solve = axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
+        if (axes.values[i] > kFlatBlock * kFlatBlock * axes.values[2]) inverse[i] = 1.0 / axes.values[i];
+    const Eigen::Matrix3d solve = axes.vectors * inverse.asDiagonal() * axes.vectors.transpose();
     for (Eigen::Index c = 0; c < columns; ++c) {
         Eigen::Map<Points> u(modes.col(c).data(), points, 3);
         const Eigen::RowVector3d shift = u.colwise().mean();
@@ -85,13 +86,13 @@ Eigen::MatrixXd ResponseBlocks::findModes(const Points& rest, const Eigen::Matri
         t.affineOf.col(c) = Eigen::Map<const Eigen::VectorXd>(fit.data(), 12) * size[c];
     }
 
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(modes.transpose() * modes);
+    const auto gram = eigenpairsOf(Eigen::MatrixXd(modes.transpose() * modes));
     const double negligible = t.format == ResponseFormat::Float ? kNoModeOfFloat : kNoModeOfSixteenBits;
     Eigen::MatrixXd kept(response.rows(), columns);
     t.modesOf.resize(columns, columns);
     Eigen::Index n = 0;
     for (Eigen::Index k = columns - 1; k >= 0; --k) {
-        const auto part = gram.eigenvectors().col(k);
+        const auto part = gram.vectors.col(k);
         kept.col(n).noalias() = modes * part;
         if (kept.col(n).cwiseAbs().maxCoeff() * part.cwiseAbs().maxCoeff() < negligible) continue;
         t.modesOf.row(n++) = part.cwiseProduct(size).transpose();

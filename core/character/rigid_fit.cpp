@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/rigid_fit.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 
@@ -64,10 +65,10 @@ bool RigidFit::solve(Quaterniond& rotation, Vec3& shift) const {
         const Eigen::Vector4d q(turn_[i].w(), turn_[i].x(), turn_[i].y(), turn_[i].z());
         matrix += 4.0 * share * (part.size * part.size + spread2_) * (q * q.transpose());
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(matrix);
-    const bool unique = solver.eigenvalues()[3] - solver.eigenvalues()[2] > kTie * std::max(std::abs(solver.eigenvalues()[0]), std::abs(solver.eigenvalues()[3]));
+    const auto solver = eigenpairsOf(matrix);
+    const bool unique = solver.values[3] - solver.values[2] > kTie * std::max(std::abs(solver.values[0]), std::abs(solver.values[3]));
     if (unique) {
-        const Eigen::Vector4d best = solver.eigenvectors().col(3);
+        const Eigen::Vector4d best = solver.vectors.col(3);
         rotation = Quaterniond(best[0], best[1], best[2], best[3]).normalized();
         if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
     }

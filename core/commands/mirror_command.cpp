@@ -200,13 +200,13 @@ void Mirror::matchPieces() {
             continue;
         }
         copier_.elements.emplace_back(document_.elements.at(image)->name, element->name);
-        exchangePart(document_.elements, image, [&](Element& changed) {
-            changed.nu = element->nu;
-            changed.stiffness = element->stiffness;
-            changed.density = element->density;
-            changed.damping = element->damping;
-            changed.solverMesh = element->solverMesh;
-            changed.jointPlanes = element->jointPlanes;
+        exchangePart(document_.elements, image, [&element = *element](Element& changed) {
+            changed.nu = element.nu;
+            changed.stiffness = element.stiffness;
+            changed.density = element.density;
+            changed.damping = element.damping;
+            changed.solverMesh = element.solverMesh;
+            changed.jointPlanes = element.jointPlanes;
         });
         for (std::size_t k = 0; k < kEffects; ++k) {
             Effect& effect = document_.effects[static_cast<EffectKind>(k)];

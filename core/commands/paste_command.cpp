@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/base/decompositions.h"
 #include "core/base/hash.h"
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
@@ -30,9 +31,9 @@ std::optional<Json> corners(const TriangleMesh& body, const Vec3& point) {
     const SurfacePoint place = nearestOnSurface(body, point);
     if (place.triangle < 0) return std::nullopt;
     const auto corner = [&](int k) { return Vec3(body.vertices.row(body.triangles(place.triangle, k)).transpose()); };
-    Eigen::Matrix<double, 3, 2> edges;
+    Eigen::MatrixXd edges(3, 2);
     edges << corner(1) - corner(0), corner(2) - corner(0);
-    const Eigen::Vector2d w = edges.colPivHouseholderQr().solve(place.point - corner(0));
+    const Eigen::Vector2d w = leastSquares(edges, Eigen::VectorXd(place.point - corner(0)));
     if (!w.allFinite()) return std::nullopt;
     return Json::array({place.triangle, 1.0 - w[0] - w[1], w[0], w[1]});
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/QR>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <set>
 
+#include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/session_access.h"
@@ -198,7 +198,7 @@ Eigen::VectorXd project(const TriangleMesh& body, const JointFace& face, const F
     if (basis.kind == BasisKind::Full) return u;
     Eigen::MatrixXd C(3 * rest.rows(), basis.columns());
     for (Eigen::Index i = 0; i < rest.rows(); ++i) C.middleRows(3 * i, 3) = basis.at(rest.row(i).transpose());
-    return C.completeOrthogonalDecomposition().solve(u);
+    return leastSquares(C, u);
 }
 
 Result<Json> deform(SessionAccess& access, const Json& arguments, const Progress& progress) {

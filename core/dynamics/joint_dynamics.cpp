@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/dynamics/joint_dynamics.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.h"
 #include "core/dynamics/bone_dynamics.h"
 
 namespace imomushi {
@@ -71,10 +71,10 @@ Result<JointDynamics> JointDynamics::build(const Input& input) {
     Eigen::MatrixXd mass = scale.asDiagonal() * (0.5 * (input.mass + input.mass.transpose())) * scale.asDiagonal();
     mass.diagonal().array() += kMassless;
     const Eigen::MatrixXd stiffness = scale.asDiagonal() * (0.5 * (input.stiffness + input.stiffness.transpose())) * scale.asDiagonal();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
-    if (solver.info() != Eigen::Success || !allFinite(solver.eigenvalues()) || !allFinite(solver.eigenvectors()))
+    const auto solver = eigenpairsOf(stiffness, mass);
+    if (!solver.converged || !allFinite(solver.values) || !allFinite(solver.vectors))
         return fail("bad-value", "The mass of joint dynamics is not positive semidefinite: check the elements' densities.");
-    const Eigen::VectorXd& lambda = solver.eigenvalues();
+    const Eigen::VectorXd& lambda = solver.values;
     const double most = lambda[g - 1];
     if (!(most > 0.0) || lambda[0] < -kNegative * most)
         return fail("bad-value", "The stiffness of joint dynamics is not positive semidefinite: precompute the elements again.");
@@ -83,8 +83,8 @@ Result<JointDynamics> JointDynamics::build(const Input& input) {
     Eigen::Index rigid = 0;
     while (lambda[rigid] <= kRigid * most) ++rigid;
     const Eigen::Index modes = g - rigid;
-    out.shapes_ = scale.asDiagonal() * solver.eigenvectors().rightCols(modes);
-    out.momenta_ = scale.cwiseInverse().asDiagonal() * (mass * solver.eigenvectors().rightCols(modes));
+    out.shapes_ = scale.asDiagonal() * solver.vectors.rightCols(modes);
+    out.momenta_ = scale.cwiseInverse().asDiagonal() * (mass * solver.vectors.rightCols(modes));
     out.hertz_ = input.hertz * (lambda.tail(modes) / lambda[rigid]).cwiseSqrt();
     out.damping_ = Eigen::VectorXd::Constant(modes, input.damping);
     if (input.damped.size() != 0)

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/effects/joint_equilibrium.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
 #include "core/base/block_cholesky.h"
+#include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/base/parallel.h"
 #include "core/joints/warping.h"
@@ -186,7 +186,7 @@ struct JointEquilibrium::State {
             left.row(row) = weight * mine.transpose();
             right_.row(row) = weight * value.transpose();
         }
-        MatrixXd parts = left.completeOrthogonalDecomposition().solve(right_);
+        MatrixXd parts = leastSquares(left, right_);
         parts.bottomRows(own - 1) /= face.size;
         for (int a = 0; a < scalars; ++a) {
             const auto add = [&](int column, int axis, double part) { out(column, 3 * a + axis) += part; };

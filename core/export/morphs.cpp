@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/export/morphs.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <span>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 
@@ -230,14 +231,14 @@ private:
     void fit(Work& w) const {
         ExportError left = errorOf(w.residuals);
         if (left.largest > kRounding) {
-            const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(w.residuals.transpose() * w.residuals);
-            const double most = gram.eigenvalues().tail<1>()[0];
+            const auto gram = eigenpairsOf(MatrixXd(w.residuals.transpose() * w.residuals));
+            const double most = gram.values.tail<1>()[0];
             MatrixXd modes(w.residuals.rows(), std::min<Eigen::Index>(kMaxFitted, w.residuals.cols()));
             Eigen::Index count = 0;
             for (; count < modes.cols() && left.largest > (w.warped || w.touched ? kFitted : kRounding); ++count) {
                 const Eigen::Index k = w.residuals.cols() - 1 - count;
-                if (!(gram.eigenvalues()[k] > 1e-15 * most)) break;
-                modes.col(count).noalias() = w.residuals * gram.eigenvectors().col(k);
+                if (!(gram.values[k] > 1e-15 * most)) break;
+                modes.col(count).noalias() = w.residuals * gram.vectors.col(k);
                 modes.col(count).normalize();
                 w.residuals -= modes.col(count) * (modes.col(count).transpose() * w.residuals);
                 left = errorOf(w.residuals);
@@ -368,20 +369,20 @@ private:
             products.block(first[i], first[i], count, count) = drafts[i].targets.transpose() * drafts[i].targets;
             weights.middleRows(first[i], count) = drafts[i].weights;
         }
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> metric(products);
-        const VectorXd root = metric.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+        const auto metric = eigenpairsOf(products);
+        const VectorXd root = metric.values.cwiseMax(0.0).cwiseSqrt();
         const double floor = 1e-9 * root.maxCoeff();
         const VectorXd inverse = root.unaryExpr([&](double r) { return r > floor ? 1.0 / r : 0.0; });
-        const MatrixXd toEven = root.asDiagonal() * metric.eigenvectors().transpose();
-        const MatrixXd fromEven = metric.eigenvectors() * inverse.asDiagonal();
+        const MatrixXd toEven = root.asDiagonal() * metric.vectors.transpose();
+        const MatrixXd fromEven = metric.vectors * inverse.asDiagonal();
         const MatrixXd even = toEven * weights;
         MatrixXd spread = even * even.transpose();
         // A small multiple of the metric orders the directions in which the clips never move.
         const VectorXd unit = toEven.colwise().squaredNorm().transpose();
         spread += 1e-9 * std::max(spread.trace(), 1e-300) / std::max(unit.sum(), 1e-300) * (toEven * toEven.transpose());
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> principal(spread);
+        const auto principal = eigenpairsOf(spread);
         const Eigen::Index count = std::min(most, all);
-        const MatrixXd axes = principal.eigenvectors().rightCols(count).rowwise().reverse();
+        const MatrixXd axes = principal.vectors.rightCols(count).rowwise().reverse();
         const MatrixXd pick = fromEven * axes, weigh = axes.transpose() * toEven;
 
         const MatrixXd lost = weights - pick * (weigh * weights);

@@ -23,9 +23,10 @@ InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> sho
 }
 
 bool InputMapper::take(const InputValue& value) {
-    const auto named = std::ranges::equal_range(listeners_, hashOfNames(value.source.text(), value.channel.text()), {}, &Listener::name);
+    const std::uint64_t name = hashOfNames(value.source.text(), value.channel.text());
     bool taken = false;
-    for (const Listener& listener : named) {
+    for (auto at = std::ranges::lower_bound(listeners_, name, {}, &Listener::name); at != listeners_.end() && at->name == name; ++at) {
+        const Listener& listener = *at;
         const int component = rows_[listener.row].component;
         if (value.gone && value.source == sources_[listener.row] && value.channel == channels_[listener.row]) {
             Heard& heard = heard_[listener.row];

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/base/decompositions.h"
 #include "core/mesh/avatar.h"
 #include "core/mesh/humanoid.h"
 
@@ -164,7 +165,7 @@ private:
                 turned_[b] = turned_[static_cast<std::size_t>(parent)];
         }
     }
-    static Turn between(const Vec3& from, const Vec3& to) { return from.norm() > 0.0 && to.norm() > 0.0 ? Turn::FromTwoVectors(from, to) : Turn::Identity(); }
+    static Turn between(const Vec3& from, const Vec3& to) { return from.norm() > 0.0 && to.norm() > 0.0 ? shortestRotation(from, to) : Turn::Identity(); }
 
     void sample() {
         const double frames = std::clamp(kMostNumbers / (5.0 * static_cast<double>(out_.followed.size() + 1)), 2.0, 1e5), rate = clip_.seconds > 0.0 ? std::min(kFramesPerSecond, frames / clip_.seconds) : kFramesPerSecond;

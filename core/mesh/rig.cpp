@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/mesh/rig.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
+#include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/mesh/avatar.h"
 #include "core/mesh/bounds.h"
@@ -222,10 +222,10 @@ Eigen::Quaterniond nearestRotation(const Eigen::Matrix3d& matrix) {
     if (!(size > 0.0)) return Eigen::Quaterniond::Identity();
     Eigen::Matrix3d m = matrix / size;
     if (m.determinant() < 0.0) m = -m;
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    if (svd.singularValues()[1] < kSmallestScale * svd.singularValues()[0]) return Eigen::Quaterniond::Identity();
-    Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
-    if (turn.determinant() < 0.0) turn = svd.matrixU() * Vec3(1.0, 1.0, -1.0).asDiagonal() * svd.matrixV().transpose();
+    const auto [u, v, values] = singularValuesOf(m);
+    if (values[1] < kSmallestScale * values[0]) return Eigen::Quaterniond::Identity();
+    Eigen::Matrix3d turn = u * v.transpose();
+    if (turn.determinant() < 0.0) turn = u * Vec3(1.0, 1.0, -1.0).asDiagonal() * v.transpose();
     return Eigen::Quaterniond(turn).normalized();
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
+#include "core/base/decompositions.h"
 #include "core/meshing/appendages.h"
 
 namespace imomushi {
@@ -46,9 +46,9 @@ Eigen::MatrixXd TrimmedBody::onBody(const Points& body, const Eigen::MatrixXd& d
         }
         Eigen::MatrixXd weighed = R;
         for (Eigen::Index i = 0; i < n; ++i) weighed.middleRows<3>(3 * i) *= weight[i];
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> spread(weighed.transpose() * R);
-        const Eigen::Matrix<double, 6, 1> inverse = spread.eigenvalues().cwiseMax(kFlatSupport).cwiseInverse();
-        const Eigen::MatrixXd motion = spread.eigenvectors() * (inverse.asDiagonal() * (spread.eigenvectors().transpose() * (weighed.transpose() * around)));
+        const auto spread = eigenpairsOf(Eigen::Matrix<double, 6, 6>(weighed.transpose() * R));
+        const Eigen::Matrix<double, 6, 1> inverse = spread.values.cwiseMax(kFlatSupport).cwiseInverse();
+        const Eigen::MatrixXd motion = spread.vectors * (inverse.asDiagonal() * (spread.vectors.transpose() * (weighed.transpose() * around)));
         around -= R * motion;
         for (const std::int32_t v : one.dropped) {
             const Vec3 x = body.row(v).transpose();

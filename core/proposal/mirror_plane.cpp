@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/proposal/mirror_plane.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/triangle_tree.h"
 
@@ -53,7 +53,7 @@ public:
         middle /= whole;
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         for (Eigen::Index v = 0; v < mesh_.vertices.rows(); ++v) spread += weight_[static_cast<std::size_t>(v)] / whole * (at(v) - middle) * (at(v) - middle).transpose();
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+        const auto axes = eigenpairsOf(spread);
 
         std::vector<MirrorCandidate> found;
         const auto consider = [&](const Vec3& origin, const Vec3& normal) {
@@ -62,7 +62,7 @@ public:
         };
         const Vec3 centre = box_.low + 0.5 * box_.size();
         for (const int axis : {0, 2, 1}) consider(centre, Vec3::Unit(axis));
-        for (const int axis : {0, 1, 2}) consider(middle, axes.eigenvectors().col(axis));
+        for (const int axis : {0, 1, 2}) consider(middle, axes.vectors.col(axis));
         if (found.empty()) return std::nullopt;
         const auto rank = [](const MirrorCandidate& c) {
             const Vec3 n = c.plane.normal.cwiseAbs();
@@ -115,8 +115,8 @@ private:
                 const Vec3 p = pairs[i].first - middle, q = pairs[i].second - middle;
                 products += weight_[static_cast<std::size_t>(samples_[i])] * (p * q.transpose() + q * p.transpose());
             }
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(products);
-            Vec3 normal = solver.eigenvectors().col(0);
+            const auto solver = eigenpairsOf(products);
+            Vec3 normal = solver.vectors.col(0);
             if (normal.dot(plane.normal) < 0.0) normal = -normal;
             if (normal.dot(plane.normal) < 0.8) break;  // another plane
             now = {middle, normal};
@@ -163,9 +163,9 @@ private:
                 matrix += weight * pair.slope * pair.slope.transpose();
                 right -= weight * pair.distance * pair.slope;
             }
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
-            if (!(solver.eigenvalues()[0] > 1e-9 * solver.eigenvalues()[2])) return rough;  // a body of revolution: any plane will do
-            const Eigen::Vector3d step = solver.eigenvectors() * solver.eigenvalues().cwiseInverse().asDiagonal() * solver.eigenvectors().transpose() * right;
+            const auto solver = eigenpairsOf(matrix);
+            if (!(solver.values[0] > 1e-9 * solver.values[2])) return rough;  // a body of revolution: any plane will do
+            const Eigen::Vector3d step = solver.vectors * solver.values.cwiseInverse().asDiagonal() * solver.vectors.transpose() * right;
             now.origin += step[2] * now.normal;
             now.normal = (now.normal + step[0] * first + step[1] * second).normalized();
         }

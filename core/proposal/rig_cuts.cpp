@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/proposal/rig_cuts.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 
@@ -119,9 +120,9 @@ RigCuts::Wish RigCuts::wish(const MergedRig& merged, std::size_t k, const std::o
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         for (const Vec3& p : places) spread += (p - middle) * (p - middle).transpose() / static_cast<double>(places.size());
         radius = std::sqrt(spread.trace());
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-        if (!mirror) side = axes.eigenvectors().col(2);
-        Vec3 normal = axes.eigenvectors().col(0);
+        const auto axes = eigenpairsOf(spread);
+        if (!mirror) side = axes.vectors.col(2);
+        Vec3 normal = axes.vectors.col(0);
         if (normal.dot(bisector) < 0.0) normal = -normal;
         const Vec3 between = (normal + bisector).normalized();
         for (const Vec3& n : {bisector, normal, between}) wish.planes.push_back({middle, n});

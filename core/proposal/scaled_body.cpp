@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/decompositions.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/topology.h"
 
@@ -64,7 +65,7 @@ Eigen::Matrix3d axesOf(const TriangleMesh& mesh) {
         const Vec3 p = vertexPlace(mesh.vertices, static_cast<Eigen::Index>(v)) - middle;
         spread += weight[v] / whole * p * p.transpose();
     }
-    Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+    Eigen::Matrix3d axes = eigenpairsOf(spread).vectors;
     for (int k = 0; k < 3; ++k) {
         double skew = 0.0, size = 0.0, first = 0.0;
         for (std::size_t v = 0; v < vertices; ++v) {

@@ -2,9 +2,9 @@
 #include "core/reduction/congruence.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
+
+#include "core/base/decompositions.h"
 
 namespace imomushi {
 namespace {
@@ -67,12 +67,11 @@ std::optional<Congruence> findCongruence(const ResponseInput& from, const Respon
     const Eigen::RowVector3d middleX = x.colwise().mean(), middleY = y.colwise().mean();
     const Points p = (x.rowwise() - middleX) / diagonal, q = (y.rowwise() - middleY) / diagonal;
     // The rotation (or reflection) that brings p nearest to q in the mean square (Kabsch 1976; Umeyama 1991 on mirrors).
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(q.transpose() * p, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d U = svd.matrixU();
-    if (((U * svd.matrixV().transpose()).determinant() < 0.0) != *mirrored) U.col(2) = -U.col(2);
+    auto [u, v, values] = singularValuesOf(q.transpose() * p);
+    if (((u * v.transpose()).determinant() < 0.0) != *mirrored) u.col(2) = -u.col(2);
     Congruence out;
     out.mirrored = *mirrored;
-    out.rotation = U * svd.matrixV().transpose();
+    out.rotation = u * v.transpose();
     out.miss = (p * out.rotation.transpose() - q).rowwise().norm().maxCoeff();
     if (!(out.miss <= Congruence::kMiss)) return std::nullopt;
     out.shift = middleY.transpose() - out.rotation * middleX.transpose();
@@ -92,7 +91,7 @@ std::optional<Congruence> findCongruence(const ResponseInput& from, const Respon
         turn(out.rotation.transpose(), wanted);
         const Eigen::VectorXd unit = C.colwise().norm().cwiseMax(1e-300).cwiseInverse();
         C = (C * unit.asDiagonal()).eval();
-        Eigen::MatrixXd N = C.completeOrthogonalDecomposition().solve(wanted);
+        Eigen::MatrixXd N = leastSquares(C, wanted);
         for (Eigen::Index c = 0; c < wanted.cols(); ++c) {
             const double whole = wanted.col(c).norm();
             if (whole > 0.0) out.modeMiss = std::max(out.modeMiss, (C * N.col(c) - wanted.col(c)).norm() / whole);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/base/decompositions.h"
 #include "core/mesh/bounds.h"
 #include "ui/scene/posed_body.h"
 #include "ui/scene/rim.h"
@@ -65,7 +66,7 @@ std::optional<CutFrame> cutFrame(const Session& session, PartId id) {
         frame.restCentre = restSum / weights;
     }
     if (area.norm() > 0.0) frame.normal = area.stableNormalized();  // the cap behind looks along the plane's normal
-    frame.rotation = Eigen::Quaterniond::FromTwoVectors(normal, frame.normal);
+    frame.rotation = shortestRotation(normal, frame.normal);
     frame.reach = 0.0;
     for (const auto& loop : rimLoops(rest.triangles, cap)) {
         std::vector<Vec3>& points = frame.rim.emplace_back();

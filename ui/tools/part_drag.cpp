@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/base/rotation_vector.h"
 #include "core/document/attachments.h"
@@ -28,7 +29,7 @@ Eigen::Matrix4d motionOf(const SeenMesh& seen, const std::vector<std::int32_t>& 
         rest.col(Eigen::Index(i)) = seen.model().mesh.body.vertices.row(vertices[i]).transpose();
         now.col(Eigen::Index(i)) = seen.at(vertices[i]);
     }
-    return Eigen::umeyama(rest, now, false);
+    return nearestMotion(rest, now);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <memory>
 #include <set>
 
+#include "core/base/decompositions.h"
 #include "core/document/character_input.h"
 #include "core/mesh/connectivity.h"
 #include "core/mesh/triangle_tree.h"
@@ -402,7 +403,7 @@ HandlePose poseOfFlesh(const Session& session, const Element& element, const Joi
         rest.col(i) = element.mesh->body.vertices.row(v).transpose();
         now.col(i) = body.at(v);
     }
-    const Eigen::Matrix4d motion = Eigen::umeyama(rest, now, false);
+    const Eigen::Matrix4d motion = nearestMotion(rest, now);
     HandlePose pose;
     pose.held = true;
     pose.at = (motion * patch.frame.origin.homogeneous()).head<3>();

@@ -98,8 +98,8 @@ void PosePictures::follow() {
             SessionAccess(session).replace(project, {}, true, Json{{"do", "open"}});
             for (const auto& [name, content] : missing) {
                 if (progress.cancelled()) return;
-                const bool posed = session.execute(commands::applyPose(name)).has_value();
-                made->emplace(content, posed ? pictureOf(session) : QImage());
+                const bool applied = session.execute(commands::applyPose(name)).has_value();
+                made->emplace(content, applied ? pictureOf(session) : QImage());
             }
         },
         [this, made, of = posed_] {
