@@ -2444,6 +2444,10 @@
             <translation>拡大縮小したものは事前計算をやり直します</translation>
         </message>
         <message>
+            <source>Its takes will show their poses alone</source>
+            <translation>テイクはこれ以後ポーズだけを再生します</translation>
+        </message>
+        <message>
             <source>Results go along</source>
             <translation>計算結果も一緒に動きます</translation>
         </message>

@@ -145,6 +145,18 @@ TEST_CASE("bodies: the magnet takes the middle to the grid; locked ones have no 
     CHECK(s.tool.hint().contains(QStringLiteral("Results go along")));
     CHECK(s.tool.key(Qt::Key_S, {}));
     CHECK(s.tool.banner().contains(QStringLiteral("must be precomputed again")));
+    CHECK(!s.tool.banner().contains(QStringLiteral("takes")));
+    s.tool.cancel();
+    // A take of the flesh goes along to another place, and loses what it shows by a turn.
+    s.run({{"do", "record"}, {"take", "still"}, {"action", "start"}});
+    s.run({{"do", "step"}, {"frames", 2}});
+    s.run({{"do", "record"}, {"take", "still"}, {"action", "stop"}});
+    s.select("alone");
+    s.hover(s.tool, Vec3(0, 1.4, 0));
+    CHECK(s.tool.key(Qt::Key_G, {}));
+    CHECK(!s.tool.banner().contains(QStringLiteral("takes")));
+    CHECK(s.tool.key(Qt::Key_R, {}));
+    CHECK(s.tool.banner().contains(QStringLiteral("takes will show their poses alone")));
     s.tool.cancel();
     s.run({{"do", "set"}, {"target", "alone"}, {"property", "locked"}, {"value", true}});
     CHECK(!s.tool.wants(Qt::Key_G));

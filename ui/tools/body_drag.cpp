@@ -97,13 +97,22 @@ int BodyDrag::results() const {
     return int(std::count_if(elements.begin(), elements.end(), [&](PartId id) { return document_.session().responseState(id) == ResponseState::Fresh; }));
 }
 
+bool BodyDrag::recorded() const {
+    const auto& moved = parts().hanging.elements;
+    const auto& takes = document_.document().takes;
+    return std::any_of(takes.begin(), takes.end(), [&](const auto& take) {
+        const auto& elements = take.second->elements;
+        return std::any_of(elements.begin(), elements.end(), [&](PartId id) { return moved.contains(id); });
+    });
+}
+
 QString BodyDrag::banner() const {
     if (!drag_) return {};
-    const QString text = drag_->banner();
-    const int stale = drag_->does() == Does::Scales ? results() : 0;
-    if (stale == 0) return text;
-    const QString said = ToolTexts::tr("What is scaled must be precomputed again");
-    return text.isEmpty() ? said : text + QStringLiteral(" · ") + said;
+    QStringList said(drag_->banner());
+    said.removeAll(QString());
+    if (drag_->does() == Does::Scales && results() > 0) said << ToolTexts::tr("What is scaled must be precomputed again");
+    if (drag_->does() != Does::Moves && recorded()) said << ToolTexts::tr("Its takes will show their poses alone");
+    return said.join(QStringLiteral(" · "));
 }
 
 QString BodyDrag::hint() const {

@@ -66,6 +66,7 @@ private:
     void carry(render::Body& body, Moved& moved, const Eigen::Affine3f& by) const;
     /// How many of the elements have a result, which a scale makes out of date.
     [[nodiscard]] int results() const;
+    [[nodiscard]] bool recorded() const;  ///< a take shows the flesh of what moves
 
     StudioDocument& document_;
     Snap snap_;
