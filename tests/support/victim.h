@@ -37,7 +37,7 @@ inline std::set<pid_t> childProcesses() {
     return all;
 }
 
-/// Starts a program (its path and arguments) and kills it after a time; mayEnd: or waits for its end, however long that takes. The pipe holds what it says
+/// Starts a program (its path and arguments) and kills it after a time; mayEnd: unless it ended by itself before. The pipe holds what it says
 /// meanwhile: less than 64 KB.
 inline Killed killAfter(const std::vector<std::string>& command, std::chrono::microseconds time, bool mayEnd = false) {
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // what it has started is this process's once it is dead
@@ -55,13 +55,16 @@ inline Killed killAfter(const std::vector<std::string>& command, std::chrono::mi
     ::posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
     if (failed) throw std::runtime_error("cannot start " + command[0]);
-    if (!mayEnd) {
-        std::this_thread::sleep_for(time);
+    int status = 0;
+    const auto last = std::chrono::steady_clock::now() + time;
+    bool gone = false;
+    if (!mayEnd) std::this_thread::sleep_for(time);
+    while (mayEnd && !(gone = ::waitpid(child, &status, WNOHANG) == child) && std::chrono::steady_clock::now() < last) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (!gone) {
         ::kill(child, SIGKILL);
+        ::waitpid(child, &status, 0);
     }
     Killed killed;
-    int status = 0;
-    ::waitpid(child, &status, 0);
     killed.ended = WIFEXITED(status);
     if (killed.ended) killed.status = WEXITSTATUS(status);
     std::array<char, 4096> bytes{};
