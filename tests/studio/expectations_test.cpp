@@ -147,10 +147,7 @@ TEST_CASE("status bar: left what the mouse does with the tool in hand, right ver
         const auto labels = strip.findChildren<QLabel*>();
         return std::any_of(labels.begin(), labels.end(), [&](const QLabel* label) { return label->isVisible() && what.match(label->text()).hasMatch(); });
     };
-    waitFor([&] {
-        w.view().update();
-        return says(QRegularExpression(QStringLiteral("^[0-9.]+ ms$")));
-    });
+    waitFor([&] { return says(QRegularExpression(QStringLiteral("^[0-9,.]+ ms$"))); });  // a busy machine takes more than a thousand of them
     CHECK(says(QRegularExpression(QStringLiteral("^[0-9,]+ vertices$"))));
     CHECK(says(QRegularExpression(QStringLiteral("fps$"))));
 }
