@@ -20,6 +20,10 @@ namespace {
 constexpr double kMinStretch = 0.1, kMaxStretch = 10.0;
 // Triangles near a face follow it (BendWarpTables::follow) by the square of the motion of the face: half at this one, radians.
 constexpr float kBandMotion = 0.04f;
+// Where the response strains triangles by more than the first of these, vertices go towards the mean of their neighbours, wholly from the second on, so often and so far.
+constexpr float kLargeStrain = 0.6f, kTornStrain = 1.2f;
+constexpr int kSmoothings = 12;
+constexpr float kSmoothing = 0.6f;
 // The inflation moves no vertex by more than this part of the cube root of the volume.
 constexpr double kMaxInflation = 0.25;
 // Its amount is found in so many steps of Newton's method with the first slope, or until the volume is as near as this.
@@ -96,6 +100,7 @@ struct BendWarp::State {
         base = displacement = at = force = t.rest;
         targets.resize(t.triangles.size());
         strains.resize(t.faces.size());
+        strained.reserve(t.surface.size());
         planes.resize(t.faces.size());
         if (!t.carrier) return;
         coarse.assign(3 * t.indexOf.size(), 0.0f);
@@ -116,6 +121,7 @@ struct BendWarp::State {
         placeFloating();
         solve(true);
         solve(false);
+        if (largestStrain > kLargeStrain) smoothStrained();
         inflate();
         findPlanes(motions);
         if (!t.carrier) {
@@ -266,8 +272,8 @@ struct BendWarp::State {
     void solve(bool first) {
         std::fill(force.begin(), force.end(), Vector4f::Zero());
         if (first)
-            pullToResponse(t.triangles.data(), t.triangles.size(), t.follow.data(), t.follow.size(), strains.data(), floats(base), floats(displacement),
-                           floats(at), targets.data(), floats(force));
+            largestStrain = pullToResponse(t.triangles.data(), t.triangles.size(), t.follow.data(), t.follow.size(), strains.data(), floats(base),
+                                           floats(displacement), floats(at), targets.data(), floats(force));
         else
             pullToFit(t.triangles.data(), t.triangles.size(), floats(at), targets.data(), floats(force));
         t.factor.solve(force.data());
@@ -278,6 +284,29 @@ struct BendWarp::State {
             for (const auto i : shell.vertices) force[i] -= mean;
         }
         for (int i = 0; i < t.free; ++i) at[i] += force[i];
+    }
+
+    // The end of step 4. The fourth numbers of `force` say how far vertices are strained, 0 to 1; those of `displacement`, which is done with, count neighbours, each of two triangles.
+    void smoothStrained() {
+        std::fill(force.begin(), force.end(), Vector4f::Zero());
+        for (std::size_t k = 0; k < t.triangles.size(); ++k)
+            for (int lane = 0; lane < kWarpBatch; ++lane) {
+                const float strain = std::clamp((targets[k].strain[lane] - kLargeStrain) / (kTornStrain - kLargeStrain), 0.0f, 1.0f);
+                for (const auto& corner : t.triangles[k].corner) force[corner[lane] / 4][3] = std::max(force[corner[lane] / 4][3], strain);
+            }
+        strained.clear();
+        for (const auto& triangle : t.surface)
+            if (force[triangle[0]][3] + force[triangle[1]][3] + force[triangle[2]][3] > 0.0f) strained.push_back(triangle);
+        for (int pass = 0; pass < kSmoothings; ++pass) {
+            for (const auto& triangle : strained)
+                for (const auto i : triangle) displacement[i].setZero();
+            for (const auto& triangle : strained) {
+                const Vector4f around = at[triangle[0]] + at[triangle[1]] + at[triangle[2]] + Vector4f(0.0f, 0.0f, 0.0f, 2.0f);
+                for (const auto i : triangle) displacement[i] += around - at[i];
+            }
+            for (int i = 0; i < t.free; ++i)
+                if (force[i][3] > 0.0f) at[i].head<3>() += kSmoothing * force[i][3] * (displacement[i].head<3>() / displacement[i][3] - at[i].head<3>());
+        }
     }
 
     // What the linear response says.
@@ -356,6 +385,8 @@ struct BendWarp::State {
     Eigen::VectorXf weights, moved;
     Vectors base, displacement, at, force;
     std::vector<TargetBatch> targets;
+    float largestStrain = 0.0f;  // of the response, on a triangle
+    std::vector<std::array<std::int32_t, 3>> strained;  // of the surface
     std::vector<FaceStrain> strains;  // per face
     struct Plane {
         Vec3 normal = Vec3::UnitZ(), place = Vec3::Zero();  // m

@@ -37,7 +37,8 @@ struct BendWarpTables;
 ///      take its rotation and stretch instead (but not its twist): two bodies that meet smoothly at rest go on doing so when their joint bends,
 ///      where linear elasticity has a singular crease along a rigid rim.
 ///   4  Vertices follow by least squares over the surface, with a prefactorised system; rotations are fitted to the result and it is solved again
-///      (Sorkine & Alexa 2007), which spreads what w and e cannot agree on.
+///      (Sorkine & Alexa 2007), which spreads what w and e cannot agree on. Where the response is no longer small by any measure (surfaces of twice their length and more),
+///      what it says of single triangles is noise: vertices there are smoothed.
 ///   5  An inflation restores the volume, to what the linear response says it is: exp(its relative change) of the volume at rest.
 ///   6  Near a face nothing crosses the plane of the face: it lays itself against it, as flesh against the neighbour's. What that presses in, step 5 lets out elsewhere.
 ///

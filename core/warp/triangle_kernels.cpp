@@ -114,6 +114,12 @@ HWY_INLINE Three turned(const Three& w, V first, V second, const Three& a) {
     return along(first, wa, along(second, cross(w, wa), a));
 }
 
+// Of the mean and half the difference of principal strains.
+HWY_INLINE V squaredStrain(const Gradient& g) {
+    const V mean = hn::Mul(set(0.5f), hn::Add(g.e11, g.e22)), deviation = hn::Mul(set(0.5f), hn::Sub(g.e11, g.e22));
+    return hn::MulAdd(mean, mean, twoProducts(deviation, deviation, g.e12, g.e12));
+}
+
 struct Target {
     V p1x, p1y, p2x, p2y;
     Three x, y;
@@ -141,7 +147,7 @@ HWY_INLINE Target targetOf(const Gradient& g) {
     // Half the curl of a displacement is a rotation while strains are small. Where they are large, surfaces turn by slope over length: less by (1 + strain^4)^(1/4), which is
     // exact to fourth order. Elsewhere at most kMaxAngle. From an eighth of the angle by doubling, to 1e-5.
     const V angle2 = dot(g.w, g.w), limit = set(kMaxAngle * kMaxAngle);
-    const V strain2 = hn::MulAdd(set(0.25f), hn::Mul(hn::Add(g.e11, g.e22), hn::Add(g.e11, g.e22)), squared);
+    const V strain2 = squaredStrain(g);
     const V less = hn::Div(one, hn::Sqrt(hn::Sqrt(hn::MulAdd(strain2, strain2, one))));
     const V part = hn::Min(less, hn::Div(set(kMaxAngle), hn::Sqrt(hn::Max(angle2, limit))));
     const V x = hn::Mul(hn::Mul(angle2, hn::Mul(part, part)), set(1.0f / 64.0f));
@@ -208,10 +214,11 @@ HWY_INLINE void scatter(const WarpBatch& t, const Forces& forces, float* force) 
     }
 }
 
-void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
+float pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
+                     const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
     Forces forces;
     std::size_t first = 0;
+    V largest = hn::Zero(D());
     for (std::size_t k = 0; k < count; ++k) {
         const WarpBatch& t = batches[k];
         std::size_t last = first;
@@ -228,10 +235,14 @@ void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBat
             store(target.p1x, to.p1x, lane), store(target.p1y, to.p1y, lane), store(target.p2x, to.p2x, lane), store(target.p2y, to.p2y, lane);
             store(target.x.x, to.x[0], lane), store(target.x.y, to.x[1], lane), store(target.x.z, to.x[2], lane);
             store(target.y.x, to.y[0], lane), store(target.y.y, to.y[1], lane), store(target.y.z, to.y[2], lane);
+            const V strain = hn::Sqrt(squaredStrain(g));
+            store(strain, to.strain, lane);
+            largest = hn::Max(largest, strain);
         }
         scatter(t, forces, force);
         first = last;
     }
+    return hn::GetLane(hn::MaxOfLanes(D(), largest));
 }
 
 void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force) {
@@ -275,9 +286,9 @@ HWY_EXPORT(pullToResponse);
 HWY_EXPORT(pullToFit);
 HWY_EXPORT(addRotations);
 
-void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
-    HWY_DYNAMIC_DISPATCH(pullToResponse)(batches, count, follow, followCount, faces, base, displacement, at, targets, force);
+float pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
+                     const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
+    return HWY_DYNAMIC_DISPATCH(pullToResponse)(batches, count, follow, followCount, faces, base, displacement, at, targets, force);
 }
 
 void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force) {

@@ -21,6 +21,7 @@ struct WarpBatch {
 struct TargetBatch {
     float p1x[kWarpBatch], p1y[kWarpBatch], p2x[kWarpBatch], p2y[kWarpBatch];
     float x[3][kWarpBatch], y[3][kWarpBatch];
+    float strain[kWarpBatch];  ///< of the response: sqrt((e1^2 + e2^2) / 2) of its principal strains e1, e2
 };
 
 /// How a face turns (rotation vector) and strains (row by row), beyond what the whole body is stretched by.
@@ -36,9 +37,9 @@ struct FollowBatch {
 };
 
 /// Targets of `count` batches by the gradient of `displacement` over `base`, on a free surface, and by the faces that they follow (ascending by batch); adds the
-/// forces of triangles that are at `at` towards them to `force`.
-void pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
-                    const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force);
+/// forces of triangles that are at `at` towards them to `force`. The largest strain.
+float pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
+                     const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force);
 
 /// Adds the forces towards the targets, turned to where the triangles are, as near as rotations go.
 void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, const TargetBatch* targets, float* force);

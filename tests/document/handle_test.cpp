@@ -355,10 +355,9 @@ TEST_CASE("handle: the first one on a whole animal bends it where it stands, and
                 for (std::size_t i = 0; i < still.size(); ++i) CHECK((places(made["held"][i].get<std::string>().c_str()) - still[i]).norm() < 1e-12);
             }
             MESSAGE(std::string(name) << ", " << (two ? 2 : 1) << " handles: volume " << least << " to " << largest << " of that at rest, " << folds << " edges folded, " << pressed << " when pushed down");
-            // Ankles that become ten times as long stay smooth; what is pressed to half its height closes its creases.
-            const auto edges = static_cast<double>(body.triangles.rows() * 3 / 2);
-            CHECK(folds < 0.002 * edges);
-            CHECK(pressed < 0.005 * edges);
+            // Ankles that become ten times as long stay smooth; a few creases close where the body is pressed to half its height.
+            CHECK(folds == 0);
+            CHECK(pressed < 0.002 * static_cast<double>(body.triangles.rows() * 3 / 2));
             CHECK(least > 0.95);
             CHECK(largest < 1.05);
         }
