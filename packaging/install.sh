@@ -22,6 +22,8 @@ build_packages=(
     libegl1 libgl1-mesa-dri libxcb-cursor0 libxkbcommon-x11-0 qt6-wayland qt6-translations-l10n fonts-inter fonts-noto-cjk
 )
 test_packages=(python3 doctest-dev librapidcheck-dev libbenchmark-dev xvfb xauth xdotool imagemagick
+    # the studio as a screen reader has it
+    at-spi2-core dbus gir1.2-atspi-2.0 python3-gi
     # finite elements to compare with
     libgmsh-dev)
 fuzz_packages=(clang libclang-rt-14-dev)

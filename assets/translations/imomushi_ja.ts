@@ -463,6 +463,22 @@
             <source>Left as &amp;right (X symmetry)</source>
             <translation>左右対称に編集 (X)(&amp;R)</translation>
         </message>
+        <message>
+            <source>Place a &amp;bone…</source>
+            <translation>ボーンを置く(&amp;B)…</translation>
+        </message>
+        <message>
+            <source>Place a joint &amp;face…</source>
+            <translation>関節面を置く(&amp;F)…</translation>
+        </message>
+        <message>
+            <source>Place a &amp;cut…</source>
+            <translation>切断面を置く(&amp;C)…</translation>
+        </message>
+        <message>
+            <source>Place a &amp;handle…</source>
+            <translation>ハンドルを置く(&amp;H)…</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -3290,6 +3306,18 @@
             <source>End</source>
             <translation>終点</translation>
         </message>
+        <message>
+            <source>Start at rest</source>
+            <translation>始点（静止時）</translation>
+        </message>
+        <message>
+            <source>End at rest</source>
+            <translation>終点（静止時）</translation>
+        </message>
+        <message>
+            <source>a point</source>
+            <translation>点</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::CharacterForm</name>
@@ -3830,6 +3858,11 @@
             <source>Name</source>
             <translation>名前</translation>
         </message>
+        <message>
+            <source>%1: %2</source>
+            <comment>what, and its value or axis</comment>
+            <translation>%1：%2</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::IssueModel</name>
@@ -4074,6 +4107,10 @@
         <message>
             <source>Copied the settings</source>
             <translation>設定をコピーしました</translation>
+        </message>
+        <message>
+            <source>End of a bone</source>
+            <translation>ボーンの端</translation>
         </message>
     </context>
     <context>
@@ -4525,6 +4562,10 @@
         <message>
             <source>Gi&amp;zmo</source>
             <translation>ギズモ(&amp;Z)</translation>
+        </message>
+        <message>
+            <source>Place by &amp;numbers</source>
+            <translation>数値で置く(&amp;N)</translation>
         </message>
     </context>
     <context>
@@ -7148,6 +7189,87 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Pasted, but for %1 parts. “%2”: %3</source>
             <translation>貼り付けました。ただし %1 個を除きます。「%2」：%3</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::PlaceDialog</name>
+        <message>
+            <source>Place a bone</source>
+            <translation>ボーンを置く</translation>
+        </message>
+        <message>
+            <source>Place a joint face</source>
+            <translation>関節面を置く</translation>
+        </message>
+        <message>
+            <source>Place a cut</source>
+            <translation>切断面を置く</translation>
+        </message>
+        <message>
+            <source>Place a handle</source>
+            <translation>ハンドルを置く</translation>
+        </message>
+        <message>
+            <source>%1: %2</source>
+            <comment>what, and its axis</comment>
+            <translation>%1：%2</translation>
+        </message>
+        <message>
+            <source>Place</source>
+            <translation>置く</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>Body</source>
+            <translation>ボディ</translation>
+        </message>
+        <message>
+            <source>Element</source>
+            <translation>要素</translation>
+        </message>
+        <message>
+            <source>a point</source>
+            <translation>点</translation>
+        </message>
+        <message>
+            <source>%1 at rest</source>
+            <comment>start or end</comment>
+            <translation>%1（静止時）</translation>
+        </message>
+        <message>
+            <source>Name</source>
+            <translation>名前</translation>
+        </message>
+        <message>
+            <source>Start</source>
+            <translation>始点</translation>
+        </message>
+        <message>
+            <source>End</source>
+            <translation>終点</translation>
+        </message>
+        <message>
+            <source>Origin</source>
+            <translation>原点</translation>
+        </message>
+        <message>
+            <source>Normal</source>
+            <translation>法線</translation>
+        </message>
+        <message>
+            <source>Tolerance</source>
+            <translation>許容誤差</translation>
+        </message>
+        <message>
+            <source>Place on the surface</source>
+            <translation>表面上の位置</translation>
+        </message>
+        <message>
+            <source>Radius</source>
+            <translation>半径</translation>
         </message>
     </context>
 </TS>

@@ -91,10 +91,10 @@ TEST_CASE("studio: parts of a character are chosen in the inspector, attached, g
     REQUIRE(character().attachments.contains(left));
     CHECK(character().attachments.at(left).mode == Attachment::Mode::Rigid);
     CHECK(w.document().session().position() == before + 1);
-    CHECK(inspectorRow<NumberField>(w, "X")->value() == doctest::Approx(-0.35));
+    CHECK(inspectorRow<NumberField>(w, "Pivot at rest: X")->value() == doctest::Approx(-0.35));
     CHECK(inspectorRow<NumberField>(w, "About Y")->value() == 0.0);
 
-    type(w, "Z", QStringLiteral("0.8"));
+    type(w, "Pivot at rest: Z", QStringLiteral("0.8"));
     CHECK(pivotOf(character(), left).z() == doctest::Approx(0.8));
     CHECK(pivotOf(character(), left).x() == doctest::Approx(-0.35));
     CHECK(w.document().session().position() == before + 2);

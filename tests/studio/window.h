@@ -284,12 +284,12 @@ inline QString writeMesh(const QString& path, const TriangleMesh& mesh) {
     return path;
 }
 
-/// The field of a row of the inspector that is seen, null: there is no such row.
+/// The field of a row of the inspector that is seen, null: there is no such row. Facts have their value in their names.
 template <class Field>
 Field* inspectorRow(Window& w, const char* label) {
     for (QWidget* panel : w.window().findChildren<InspectorPanel*>())
         for (auto* field : panel->findChildren<Field*>())
-            if (field->isVisible() && field->accessibleName() == QLatin1String(label)) return field;
+            if (const QString name = field->accessibleName(); field->isVisible() && (name == QLatin1String(label) || name.startsWith(QLatin1String(label) + QStringLiteral(": ")))) return field;
     return nullptr;
 }
 

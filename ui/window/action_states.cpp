@@ -79,7 +79,7 @@ void ActionStates::update() {
     const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
     a.allow("release", held, tr("Nothing is held."));
     a.allow("rest", held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty(), tr("It is at rest."));
-    for (const char* id : {"select-all", "export", "write-mesh", "picture"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
+    for (const char* id : {"select-all", "export", "write-mesh", "picture", "place-bone", "place-face", "place-cut", "place-handle"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
     a.allow("select-invert", !d.elements.empty() || !d.bones.empty(), tr("The project is empty."));
     a.allow("select-more", count(Kind::Element, Kind::Bone, Kind::Endpoint) > 0, tr("Select an element or a bone first."));
     a.allow("select-chain", count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));

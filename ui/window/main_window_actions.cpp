@@ -12,6 +12,7 @@
 #include "ui/dialogs/help_dialogs.h"
 #include "ui/dialogs/manual_dialog.h"
 #include "ui/dialogs/picture_dialog.h"
+#include "ui/dialogs/place_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/jobs/proposal_job.h"
 #include "ui/models/commands.h"
@@ -42,6 +43,9 @@ namespace {
 
 constexpr std::pair<const char*, ToolKind> kTools[] = {
     {"tool-select", ToolKind::Select}, {"tool-face", ToolKind::Face}, {"tool-bone", ToolKind::Bone}, {"tool-handle", ToolKind::Handle}, {"tool-pose", ToolKind::Pose}, {"tool-touch", ToolKind::Touch}};
+
+constexpr std::pair<const char*, PlaceDialog::Kind> kPlaced[] = {
+    {"place-bone", PlaceDialog::Kind::Bone}, {"place-face", PlaceDialog::Kind::Face}, {"place-cut", PlaceDialog::Kind::Cut}, {"place-handle", PlaceDialog::Kind::Handle}};
 
 }  // namespace
 
@@ -159,6 +163,13 @@ void MainWindow::connectEditActions() {
     viewport_->setAwaits([this](PartId element) { return precompute_->drafts().awaits(element); });
     new DragOptions(
         *actions_, viewport_->tools(), [this](const Element& element) { return precompute_->drafts().enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; }, [this] { settle(); }, this);
+    for (const auto& [action, kind] : kPlaced)
+        onSettled(action, [this, kind = kind] {
+            showStart(false);
+            auto* dialog = new PlaceDialog(document_, kind, this);
+            dialog->setAttribute(Qt::WA_DeleteOnClose);
+            dialog->open();
+        });
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });

@@ -4,6 +4,7 @@
 
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/effect_texts.h"
+#include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
 #include "ui/panels/effects_panel.h"
 #include "ui/panels/takes_panel.h"
@@ -68,6 +69,8 @@ std::vector<Findable> MainWindow::findables() {
         }
     }
     for (const auto& [id, bone] : d.bones) part("bone", bone->name, tr("Bone"), {SelectionItem::Kind::Bone, id, {}, false});
+    for (const auto& [id, bone] : d.bones)
+        for (const bool atEnd : {false, true}) part("pose", pathOf(d, EndpointRef{id, atEnd}), tr("End of a bone"), {SelectionItem::Kind::Endpoint, id, {}, atEnd});
     for (const auto& [id, take] : d.takes)
         add("take", text(take->name), tr("Take"), [this, id = id] {
             showStart(false);

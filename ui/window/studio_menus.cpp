@@ -54,6 +54,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "axes-world", "axes-local", "axes-view"});
     snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
     fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
+    fill(*addMenu(character, QT_TR_NOOP("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle"});
     fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
     fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",

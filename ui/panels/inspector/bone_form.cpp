@@ -13,10 +13,16 @@ namespace {
 using Kind = SelectionItem::Kind;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-QString placeText(const Document& document, const Bone::Place& place) {
-    if (const auto* face = std::get_if<FaceRef>(&place)) return QString::fromStdString(pathOf(document, *face));
-    if (const auto* end = std::get_if<EndpointRef>(&place)) return QString::fromStdString(pathOf(document, *end));
-    return vectorText(std::get<Vec3>(place));
+/// Where a bone's end takes its place from: itself, or the end of another bone that it is at.
+EndpointRef ownerOf(const Document& document, EndpointRef end) {
+    for (std::size_t i = 0; i < document.bones.size(); ++i) {
+        const auto found = document.bones.find(end.bone);
+        if (found == document.bones.end()) break;
+        const auto* other = std::get_if<EndpointRef>(end.atEnd ? &found->second->end : &found->second->start);
+        if (!other) break;
+        end = *other;
+    }
+    return end;
 }
 
 /// The bone and all that hang on it, directly or not.
@@ -44,7 +50,7 @@ BoneForm::BoneForm(StudioDocument& document, const Items& items, QWidget* parent
         addPlaceInTree(one);
     }
     addSection(tr("Rest"));
-    if (!several) addRestPosition(one);
+    if (!several) addLength(one);
     const auto number = [this](double Bone::*member) {
         return [this, member](const SelectionItem& item) -> std::optional<double> {
             const Bone* b = bone(item);
@@ -53,6 +59,8 @@ BoneForm::BoneForm(StudioDocument& document, const Items& items, QWidget* parent
     };
     const Bone standard;
     addProperty(tr("Roll"), {QStringLiteral("°"), -std::numbers::pi, std::numbers::pi, 1.0, 1, kDegrees, standard.roll}, items, number(&Bone::roll), commands::bone::kRoll);
+    if (!several)
+        for (const bool atEnd : {false, true}) addEnd(one, atEnd);
     addSection(tr("Stretch limits"));
     addProperty(tr("Shortest"), {QStringLiteral("%"), 0.01, 1.0, 1.0, 0, 100.0, standard.minStretch}, items, number(&Bone::minStretch), commands::bone::kMinStretch);
     addProperty(tr("Longest"), {QStringLiteral("%"), 1.0, 10.0, 1.0, 0, 100.0, standard.maxStretch}, items, number(&Bone::maxStretch), commands::bone::kMaxStretch);
@@ -84,15 +92,62 @@ void BoneForm::addPlaceInTree(const SelectionItem& item) {
                            [this, item](const std::string& name) { document_.execute(commands::setBoneElement(path(item), name)); });
 }
 
-void BoneForm::addRestPosition(const SelectionItem& item) {
+void BoneForm::addLength(const SelectionItem& item) {
     addFact(tr("Length"), [this, item] {
         const Bone* b = bone(item);
         if (!b) return QStringLiteral("–");
         const auto from = restPosition(now(), b->start), to = restPosition(now(), b->end);
         return from && to ? lengthText((*to - *from).norm()) : QStringLiteral("–");
     });
-    addFact(tr("Start"), [this, item] { return bone(item) ? placeText(now(), bone(item)->start) : QString(); });
-    addFact(tr("End"), [this, item] { return bone(item) ? placeText(now(), bone(item)->end) : QString(); });
+}
+
+/// What the end is at, and where; numbers move all bones that meet there, as a drag does.
+void BoneForm::addEnd(const SelectionItem& item, bool atEnd) {
+    addSection(atEnd ? tr("End at rest") : tr("Start at rest"));
+    const auto placeOf = [this, item, atEnd]() -> std::optional<Bone::Place> {
+        const Bone* b = bone(item);
+        return b ? std::optional(atEnd ? b->end : b->start) : std::nullopt;
+    };
+    const auto restOf = [this, placeOf]() -> std::optional<Vec3> {
+        const auto place = placeOf();
+        if (!place) return std::nullopt;
+        const auto at = restPosition(now(), *place);
+        return at ? std::optional(*at) : std::nullopt;
+    };
+    std::vector<std::pair<QString, std::string>> places = {{tr("a point"), {}}};
+    const auto add = [&](const std::string& path) { places.emplace_back(QString::fromStdString(path), path); };
+    const auto below = subtree(now(), item.part);  // these begin where it is
+    for (const auto& [id, b] : now().bones)
+        for (const bool end : {false, true})
+            if (!below.contains(id)) add(pathOf(now(), EndpointRef{id, end}));
+    for (const auto& [id, e] : now().elements)
+        for (const JointFace& face : e->faces)
+            if (!e->handleOf(face.name)) add(pathOf(now(), FaceRef{id, face.name}));
+    addChoice<std::string>(atEnd ? tr("End") : tr("Start"), places,
+                           [this, placeOf]() -> std::optional<std::string> {
+                               const auto place = placeOf();
+                               if (!place) return std::nullopt;
+                               if (const auto* face = std::get_if<FaceRef>(&*place)) return pathOf(now(), *face);
+                               if (const auto* end = std::get_if<EndpointRef>(&*place)) return pathOf(now(), *end);
+                               return std::string();
+                           },
+                           [this, item, atEnd, restOf](const std::string& place) {
+                               if (!place.empty()) document_.execute(commands::placeEnd(path(item), atEnd, place));
+                               else if (const auto at = restOf()) document_.execute(commands::placeEnd(path(item), atEnd, *at));
+                           });
+    static constexpr const char* kAxes[] = {"X", "Y", "Z"};
+    for (int axis = 0; axis < 3; ++axis)
+        addNumber(QLatin1String(kAxes[axis]), {QStringLiteral("m"), -1e6, 1e6, 0.005, 4, 1.0, {}}, {item},
+                  [restOf, axis](const SelectionItem&) -> std::optional<double> {
+                      const auto at = restOf();
+                      return at ? std::optional((*at)[axis]) : std::nullopt;
+                  },
+                  [this, atEnd, restOf, axis](const SelectionItem& of, double value) {
+                      Vec3 at = restOf().value_or(Vec3::Zero());
+                      at[axis] = value;
+                      const EndpointRef owner = ownerOf(now(), {of.part, atEnd});
+                      return commands::placeEnd(path({Kind::Bone, owner.bone, {}, false}), owner.atEnd, at);
+                  });
 }
 
 }  // namespace imomushi

@@ -51,6 +51,7 @@ void InspectorForm::addHeading(const QString& icon, const Say& title, const QStr
 }
 
 void InspectorForm::addSection(const QString& title) {
+    section_ = title;
     if (!title.isEmpty()) {
         auto* rule = named(new QFrame(this), "rule");
         sections_->addSpacing(px(4));
@@ -70,7 +71,8 @@ void InspectorForm::addRow(const QString& label, QWidget* field) {
     if (!grid_) addSection();
     auto* text = styled(new QLabel(label, this), "muted");
     text->setBuddy(field);
-    field->setAccessibleName(label);
+    // An axis alone does not say of what.
+    field->setAccessibleName(label.size() == 1 && !section_.isEmpty() ? tr("%1: %2", "what, and its value or axis").arg(section_, label) : label);
     field->setMinimumWidth(px(90));
     field->setSizePolicy(QSizePolicy::Ignored, field->sizePolicy().verticalPolicy());
     const int row = grid_->rowCount();
@@ -83,7 +85,11 @@ void InspectorForm::addFact(const QString& label, Say say) {
     text->setTextInteractionFlags(Qt::TextSelectableByMouse);
     text->setWordWrap(true);
     addRow(label, text);
-    follow([text, say = std::move(say)] { text->setText(say()); });
+    follow([this, text, label, say = std::move(say)] {
+        const QString said = say();
+        text->setText(said);
+        text->setAccessibleName(tr("%1: %2", "what, and its value or axis").arg(label, said));
+    });
 }
 
 void InspectorForm::addName(const SelectionItem& item) {

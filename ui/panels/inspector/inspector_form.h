@@ -76,6 +76,7 @@ private:
 
     std::vector<std::function<void()>> refreshers_;
     std::unique_ptr<Gesture> gesture_;
+    QString section_;  ///< its title
 };
 
 template <class Value>

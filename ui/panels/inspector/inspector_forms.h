@@ -97,7 +97,8 @@ public:
 
 private:
     void addPlaceInTree(const SelectionItem& item);
-    void addRestPosition(const SelectionItem& item);
+    void addLength(const SelectionItem& item);
+    void addEnd(const SelectionItem& item, bool atEnd);
 };
 
 /// An end of a bone: where it is, and where it is held.
