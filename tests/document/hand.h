@@ -13,7 +13,13 @@ namespace imomushi {
 /// Somebody who tries everything: commands with arguments by chance, most of which fit the document.
 class Hand {
 public:
-    Hand(const Session& session, unsigned seed) : session_(session), random_(seed) {}
+    /// `folder`: where what is copied goes, and "added.imomushi" is a small project; empty: nothing is copied, added or cut.
+    Hand(const Session& session, unsigned seed, std::string folder = {}) : session_(session), random_(seed), folder_(std::move(folder)) {}
+
+    /// What a command answered: what was copied is pasted later.
+    void heard(const Json& command, const Json& answer) {
+        if (command.at("do") == "copy") copied_ = answer.at("commands");
+    }
 
     std::size_t below(std::size_t n) { return n == 0 ? 0 : random_() % n; }
     double number(double low, double high) { return low + (high - low) * static_cast<double>(random_()) / 4294967295.0; }
@@ -23,7 +29,7 @@ public:
         if (d.elements.size() < 2 || (d.elements.size() < 6 && below(12) == 0)) return import();
         if (d.bones.size() < 2 && below(2)) return below(2) ? addFace() : Json{{"do", "add-bone"}, {"name", name()}, {"from", face()}, {"to", face()}};
         if (d.takes.empty() && below(6) == 0) return {{"do", "record"}, {"take", "take"}, {"action", below(2) ? "start" : "stop"}};
-        switch (below(39)) {
+        switch (below(folder_.empty() ? 39 : 47)) {
             case 0: return addFace();
             case 1:
             case 2: return {{"do", "join"}, {"a", face()}, {"b", face()}};
@@ -55,13 +61,21 @@ public:
             case 28: return {{"do", one({"remove-take", "play"})}, {"take", take()}};
             case 29: return {{"do", one({"rename-take", "duplicate-take"})}, {"take", take()}, {"name", name()}};
             case 30: return {{"do", "duplicate"}, {"names", {below(2) ? element() : bone()}}};
-            case 31: return {{"do", "mirror"}, {"from", {below(2) ? element() : bone()}}};
+            case 31: return mirror();
             case 32: return {{"do", one({"undo", "redo"})}, {"count", 1 + below(4)}};
             case 33: return below(2) ? Json{{"do", "keep-pose"}} : Json{{"do", "keep-pose"}, {"name", name()}};
             case 34: return {{"do", "apply-pose"}, {"name", pose()}, {"share", number(-0.1, 1.1)}, {"mirrored", below(2) == 0}};
             case 35: return below(2) ? Json{{"do", "mirror-pose"}} : Json{{"do", "rest-bones"}, {"bones", {bone()}}, {"chain", below(2) == 0}};
             case 36: return below(2) ? Json{{"do", "set"}, {"target", handle()}, {"property", "point"}, {"value", vertex()}} : below(2) ? Json{{"do", "rename-pose"}, {"pose", pose()}, {"name", name()}} : Json{{"do", "remove-pose"}, {"pose", pose()}};
             case 37: return transform();
+            case 39:
+            case 40: return copy();
+            case 41:
+            case 42: return paste();
+            case 43: return {{"do", "set"}, {"target", element()}, {"property", one({"visible", "locked"})}, {"value", below(2) == 0}};
+            case 44: return d.elements.size() < 8 && below(3) == 0 ? Json{{"do", "append"}, {"path", folder_ + "/added.imomushi"}, {"beside", below(2) == 0}} : Json{{"do", "undo"}};
+            case 45: return cut();
+            case 46: return below(2) ? moveCut() : below(2) ? Json{{"do", "remove-cut"}, {"cut", cutName()}} : Json{{"do", "make-character"}, {"element", element()}};
             default: return below(4) ? Json{{"do", "redo"}} : Json{{"do", "precompute"}};
         }
     }
@@ -121,6 +135,39 @@ private:
         if (below(6) == 0) made["scale"] = number(-0.1, 2.0);
         return made;
     }
+    /// As live symmetry does it, too: left and right of a plane.
+    Json mirror() {
+        Json made{{"do", "mirror"}, {"from", {below(3) == 0 ? element() : below(2) ? bone() : below(2) ? face() : handle()}}};
+        if (below(2)) made["axis"] = one({"x", "y", "z"});
+        if (below(2)) made["at"] = number(-1.0, 1.0);
+        return made;
+    }
+    Json copy() {
+        Json names = Json::array();
+        for (std::size_t n = 1 + below(3); n > 0; --n) names.push_back(below(3) ? bone() : below(2) ? face() : below(2) ? effect() : element());
+        return {{"do", "copy"}, {"names", std::move(names)}, {"path", folder_ + "/copied.imomushi"}};
+    }
+    Json paste() {
+        Json made{{"do", "paste"}, {"commands", copied_}};
+        if (below(2)) made["onto"] = element();
+        if (below(3) == 0) made["offset"] = place(1.0);
+        return made;
+    }
+    Json plane(const std::string& of) {
+        const Element* e = session_.document().elementNamed(of);
+        const Vec3 at = e ? Vec3(e->mesh->body.vertices.colwise().mean().transpose()) : Vec3::Zero();
+        return {{"origin", {at.x(), at.y(), at.z() + number(-0.6, 0.6)}}, {"normal", {number(-0.3, 0.3), number(-0.3, 0.3), below(2) ? 1.0 : -1.0}}};
+    }
+    Json cut() {
+        const std::string of = element();
+        return {{"do", "cut"}, {"element", of}, {"plane", plane(of)}};
+    }
+    Json moveCut() { return {{"do", "move-cut"}, {"cut", cutName()}, {"plane", plane(element())}}; }
+    std::string cutName() {
+        for (const auto& [id, character] : session_.document().characters)
+            if (!character->cuts.empty()) return character->cuts[below(character->cuts.size())].name;
+        return "no cut";
+    }
     Json import() {
         const std::string place = std::to_string(below(5));
         return {{"do", "import-element"}, {"path", one({"bar", "bar", "coarse"}) + place}, {"name", name()}};
@@ -128,6 +175,8 @@ private:
 
     const Session& session_;
     std::mt19937 random_;
+    std::string folder_;
+    Json copied_ = Json::array();
 };
 
 }  // namespace imomushi
