@@ -5065,6 +5065,14 @@ Turn effects off or make bodies simpler to have it in real time.</source>
             <translation>前計算の状態：%1</translation>
         </message>
         <message>
+            <source>latency %1 ms</source>
+            <translation>遅延 %1 ms</translation>
+        </message>
+        <message>
+            <source>From an input (mouse, controller, network) to its picture on the screen: median %1 ms, 99th percentile %2 ms</source>
+            <translation>入力（マウス、コントローラー、ネットワーク）から画面に映るまで：中央値 %1 ms、99 パーセンタイル %2 ms</translation>
+        </message>
+        <message>
             <source>Frames per second of the viewport</source>
             <translation>ビューの毎秒フレーム数</translation>
         </message>

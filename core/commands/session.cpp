@@ -392,7 +392,7 @@ bool Session::takeFrame() {
 
 std::optional<Session::Performed> Session::performed() const {
     if (!performer_) return std::nullopt;
-    return Performed{performer_->frame().step, performer_->frame().milliseconds, performer_->leftOut()};
+    return Performed{performer_->frame().step, performer_->frame().milliseconds, performer_->frame().input, performer_->leftOut()};
 }
 
 std::optional<double> Session::effectMilliseconds(EffectKind effect) const {

@@ -11,7 +11,8 @@ InputFeed::InputFeed(InputDriver driver) : driver_(std::move(driver)) {
 
 bool InputFeed::give(std::span<const InputValue> packet) {
     if (values_.free() < packet.size()) return false;
-    for (std::size_t i = 0; i < packet.size(); ++i) values_.give({packet[i], i + 1 == packet.size()});
+    const InputTime came = inputTime();
+    for (std::size_t i = 0; i < packet.size(); ++i) values_.give({packet[i], i + 1 == packet.size(), came});
     values_.publish();
     return true;
 }
@@ -34,11 +35,13 @@ bool InputFeed::tell(const Hand& hand) {
 bool InputFeed::hold(const LiveInput& held) { return tell({held, false}); }
 bool InputFeed::giveToHand(const LiveInput& held) { return tell({held, true}); }
 
-void InputFeed::step(double seconds, LiveCharacter& live) {
+InputTime InputFeed::step(double seconds, LiveCharacter& live) {
+    InputTime first = 0;
     for (; const Hand* hand = hands_.front(); hands_.pop()) hand->has ? driver_.giveToHand(hand->input) : driver_.hold(hand->input);
     while (const Heard* heard = values_.front()) {
         (void)driver_.take(heard->value);
         if (heard->last) ++packets_;
+        first = firstOf(first, heard->came);
         values_.pop();
     }
     if (letsGo_.exchange(false, std::memory_order_acquire)) driver_.letGo();  // of what was heard until then, too
@@ -51,9 +54,10 @@ void InputFeed::step(double seconds, LiveCharacter& live) {
     }
     driver_.read(meters_.back());
     meters_.publish();
-    if (steps_.free() == 0) return;  // nobody records
+    if (steps_.free() == 0) return first;  // nobody records
     steps_.give(packets_);
     steps_.publish();
+    return first;
 }
 
 std::optional<LiveInput> InputFeed::takeRefused() {

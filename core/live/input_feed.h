@@ -52,8 +52,8 @@ public:
     std::optional<std::uint64_t> takeStep();
 
     // ---- the stepping thread
-    /// Before a step of so many seconds.
-    void step(double seconds, LiveCharacter& live);
+    /// Before a step of so many seconds. Answers when the first came of what it takes.
+    InputTime step(double seconds, LiveCharacter& live);
 
     // ---- the thread of the window
     /// See InputDriver::hold(); from the next step on. False: there is no room, as nobody steps.
@@ -75,7 +75,8 @@ public:
 private:
     struct Heard {
         InputValue value;
-        bool last = false;  // of its packet
+        bool last = false;   // of its packet
+        InputTime came = 0;
     };
     struct Hand {
         LiveInput input;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -43,6 +44,12 @@ struct LiveInput {
 /// The property of an effect that an input sets, and where it begins in Effect::values.
 std::pair<const EffectProperty&, int> propertyOf(const LiveInput& input);
 
+/// When an input came: steady_clock, ns; 0: none did.
+using InputTime = std::int64_t;
+inline InputTime inputTime() { return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+/// The one that came first, of two of which each may be none.
+inline InputTime firstOf(InputTime a, InputTime b) { return a == 0 || (b != 0 && b < a) ? b : a; }
+
 /// Inputs on their way from one thread to another one, in order. Neither waits, and nothing is allocated.
 class LiveInputs {
 public:
@@ -51,24 +58,28 @@ public:
     bool give(const LiveInput& input) {
         const std::size_t end = end_.load(std::memory_order_relaxed);
         if (end - begin_.load(std::memory_order_acquire) == kRoom) return false;
-        inputs_[end % kRoom] = input;
+        inputs_[end % kRoom] = {input, inputTime()};
         end_.store(end + 1, std::memory_order_release);
         return true;
     }
     [[nodiscard]] bool empty() const { return begin_.load(std::memory_order_acquire) == end_.load(std::memory_order_acquire); }
     /// Forgets all, while no other thread takes or gives.
     void clear() { begin_.store(end_.load(std::memory_order_relaxed), std::memory_order_relaxed); }
+    struct Given {
+        LiveInput input;
+        InputTime came = 0;
+    };
     /// The taking thread. False: there is none.
-    bool take(LiveInput& input) {
+    bool take(Given& given) {
         const std::size_t begin = begin_.load(std::memory_order_relaxed);
         if (begin == end_.load(std::memory_order_acquire)) return false;
-        input = inputs_[begin % kRoom];
+        given = inputs_[begin % kRoom];
         begin_.store(begin + 1, std::memory_order_release);
         return true;
     }
 
 private:
-    std::array<LiveInput, kRoom> inputs_;
+    std::array<Given, kRoom> inputs_;
     std::atomic<std::size_t> begin_{0}, end_{0};  // how many were taken and given
 };
 

@@ -23,12 +23,15 @@ bool Performer::step(double seconds) {
     const auto start = std::chrono::steady_clock::now();
     bool more = true;
     try {
-        for (LiveInput input; inputs_.take(input);) (void)live_.apply(input);  // what was let go meanwhile needs none
-        if (feed_) feed_->step(seconds, live_);
+        InputTime came = 0;
+        for (LiveInputs::Given given; inputs_.take(given); came = firstOf(came, given.came)) (void)live_.apply(given.input);  // what was let go meanwhile needs none
+        if (feed_) came = firstOf(came, feed_->step(seconds, live_));
         live_.advance(seconds);
         ++steps_;
+        if (unseen_.came == 0 || taken_.load(std::memory_order_relaxed) >= unseen_.step) unseen_ = {came, steps_};
         PerformedFrame& frame = frames_.back();
         fill(frame);
+        frame.input = unseen_.came;
         frame.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         more = !frame.resting;
         frames_.publish();
@@ -48,7 +51,6 @@ void Performer::fill(PerformedFrame& frame) const {
         const auto& values = live_.document().effects[static_cast<EffectKind>(k)].values;
         frame.numbers.insert(frame.numbers.end(), values.begin(), values.end());
     }
-    frame.milliseconds = 0.0;
     frame.stages = *live_.stages();
     frame.warnings = live_.warnings();
     frame.resting = !feed_ && !live_.inMotion();
@@ -84,9 +86,13 @@ void Performer::start() noexcept {
         if (inputs_.empty() && (!feed_ || live_.showsTake()) && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
+        const double milliseconds = frame().milliseconds;
+        const InputTime input = frame().input;
         for (PerformedFrame& frame : frames_.allSlots()) {
             frame.shape.resize(numbers_.size());
             fill(frame);
+            frame.milliseconds = milliseconds;  // of the last step: none was made here
+            frame.input = input;
         }
         (void)frames_.take();  // what was stepped before is older than what is there
         drawn_ = shownAs_ == live_.shows();
@@ -118,7 +124,7 @@ void Performer::feed(std::shared_ptr<InputFeed> feed) {
 
 bool Performer::take() {
     // Whoever parked it meanwhile has the last step in the live character.
-    if (!running_) return std::exchange(taken_, steps_) != steps_;
+    if (!running_) return taken_.exchange(steps_) != steps_;
     if (!frames_.take()) return false;
     taken_ = frame().step;
     drawn_ = false;

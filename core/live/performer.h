@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,6 +22,7 @@ namespace imomushi {
 /// What a step of a performance shows: the numbers that a take keeps, and what the step has to say. Nobody changes it once it is published.
 struct PerformedFrame {
     std::uint64_t step = 0;      ///< how many were made
+    InputTime input = 0;         ///< when the first of the inputs came that it shows, and no frame that was taken before it
     std::vector<double> shape;   ///< Character::shape()
     Pose pose;                   ///< LiveCharacter::shownPose()
     std::array<double, kEffects> effectMs{};  ///< negative: it had no such effect
@@ -104,7 +106,11 @@ private:
     bool waiting_ = false;          // to be started when somebody asks
     bool met_ = false, given_ = false;
     std::uint64_t steps_ = 0;       // of the thread
-    std::uint64_t taken_ = 0;       // of these
+    std::atomic<std::uint64_t> taken_{0};  // of these
+    struct {
+        InputTime came = 0;
+        std::uint64_t step = 0;     // that showed it first
+    } unseen_;                      // of the thread: the first input that no taken frame showed
     StepThread thread_;             // last: it ends first
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How long the studio's window is held up by what a person does with a large character: the longest event of the GUI thread for each thing done, without drawing,
 // which is the graphics card's (or, here, a software renderer's that stands in for one) and printed beside it.
+// Then the latency of each sample, from a move of the mouse and from a packet of the network to the picture that follows it.
 //   bench_studio [ELEMENTS] [VERTICES OF EACH] [BONES] [MINUTES OF TAKE]    100, 2,500, 100 and 1 unless given; on a display, as that of xvfb-run
 #include <QAbstractEventDispatcher>
 #include <QApplication>
@@ -15,8 +16,11 @@
 #include <string>
 
 #include "core/commands/core_commands.h"
+#include "tests/support/osc_bytes.h"
 #include "tests/support/own_home.h"
 #include "tests/support/shapes.h"
+#include "tests/support/udp_sender.h"
+#include "ui/models/input_deck.h"
 #include "ui/studio.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
@@ -30,6 +34,7 @@ namespace {
 
 /// An event of a drag that takes longer is felt: half of a frame at 60 Hz.
 constexpr double kMostDragMs = 8.0;
+constexpr int kFollowMs = 4000;
 constexpr int kViewMs = 1500;  // until the view has turned, where the processor draws it
 
 /// Measures each event that the GUI thread works on, those within it included.
@@ -254,5 +259,47 @@ int main(int argc, char** argv) {
         window.files().autosave().saveSoon();
     });
     measure("new project", [&] { execute({{"do", "new"}}); });
+
+    // From a move of the mouse, or a packet of the network, to the picture that follows it: at most one step and two pictures.
+    std::printf("\n%-12s %-6s %9s %9s %9s %9s  latency, ms\n", "sample", "input", "median", "99 %", "allowed", "pictures");
+    InputDeck& inputs = window.inputs();
+    inputs.setPort(0, 0);
+    inputs.setOn(0, true);
+    UdpSender sender(static_cast<std::uint16_t>(inputs.sources()[0].port));
+    const auto follow = [&](const QString& sample, const char* input, const std::function<void(double)>& move) {
+        double pictures = 0.0, fps = 0.0;
+        const auto counts = QObject::connect(&view, &ViewportWidget::frameMeasured, &window, [&](double, double now) { pictures += now > 0.0, fps += now; });
+        view.latency().forget();
+        QElapsedTimer since;
+        for (since.start(); since.elapsed() < kFollowMs; QTest::qWait(8)) move(1e-3 * static_cast<double>(since.elapsed()));
+        QObject::disconnect(counts);
+        const auto latency = view.latency().latency();
+        if (!latency || fps <= 0.0) return;
+        const double allowed = 1e3 / 60.0 + 2e3 * pictures / fps;
+        std::printf("%-12s %-6s %9.1f %9.1f %9.1f %9zu\n", qPrintable(sample), input, latency->medianMs, latency->p99Ms, allowed, latency->pictures);
+        std::fflush(stdout);
+    };
+    for (const Sample& sample : samples()) {
+        execute({{"do", "new"}});  // or it would ask whether to save
+        window.files().open(sample.path);
+        if (!QTest::qWaitFor([&] { return !window.startShown() && !view.cameraController().moving(); }, 60'000)) return 1;
+        settle();
+        view.tools().setTool(ToolKind::Pose);
+        const auto& [bone, held] = *document.document().bones.rbegin();
+        const Vec3 rest = *document.session().positionOf({bone, true});
+        const auto there = view.onScreen(rest);
+        if (!there) continue;
+        at = there->toPoint();
+        send(QEvent::MouseMove, at, Qt::NoButton, Qt::NoButton);
+        send(QEvent::MouseButtonPress, at, Qt::LeftButton, Qt::LeftButton);
+        follow(sample.name, "mouse", [&](double t) { send(QEvent::MouseMove, at + QPoint(int(30 * std::sin(4 * t)), int(20 * std::sin(3 * t))), Qt::NoButton, Qt::LeftButton); });
+        send(QEvent::MouseButtonRelease, at, Qt::LeftButton, Qt::NoButton);
+        const std::string address = "/imomushi/bone/" + held->name + "/end/position";
+        follow(sample.name, "OSC", [&](double t) {
+            sender.send(oscBytes(address, {float(rest.x() + 0.05 * std::sin(4 * t)), float(rest.y() + 0.05 * std::sin(3 * t)), float(rest.z())}));
+        });
+        inputs.letGo();
+        inputs.goOn();
+    }
     return tooSlow > 0 ? 1 : 0;
 }

@@ -186,6 +186,32 @@ TEST_CASE("performer: a target that is given moves what is held with the next st
     CHECK(!s.w.session.document().goals.contains(input.end));
 }
 
+TEST_CASE("performer: a frame says when the first input came that no frame before it follows, and what its step took") {
+    Swinging s;
+    s.pull(s.at() + Vec3(0.05, 0.0, 0.0));
+    REQUIRE(s.untilAtRest());
+    LiveInput input;
+    input.end = *s.w.session.document().endpoint("b/end");
+    input.target = s.at() + Vec3(0.2, 0.1, 0.0);
+    InputTime known = s.w.session.performed()->input;
+    for (int i = 0; i < 3; ++i) {
+        const InputTime before = inputTime();
+        REQUIRE(s.w.session.give(input));
+        const InputTime given = inputTime();
+        REQUIRE(s.w.session.give(input));  // a later one says nothing new
+        while (!s.w.session.takeFrame() || s.w.session.performed()->input <= known) {
+            REQUIRE(inputTime() - before < 60'000'000'000);
+            std::this_thread::sleep_for(1ms);
+        }
+        known = s.w.session.performed()->input;
+        CHECK(known >= before);
+        CHECK(known <= given);
+        CHECK(s.w.session.performed()->milliseconds > 0.0);
+    }
+    REQUIRE(s.untilAtRest());
+    CHECK(s.w.session.performed()->input <= known);
+}
+
 TEST_CASE("performer: a handle on flesh that rests goes where a target says") {
     Workbench w;
     w.buildChain();

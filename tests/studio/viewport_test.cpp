@@ -9,6 +9,7 @@
 
 #include "tests/studio/window.h"
 #include "ui/viewport/frame_clock.h"
+#include "ui/window/status_strip.h"
 
 using namespace imomushi;
 
@@ -93,6 +94,53 @@ TEST_CASE("viewport: however fast the mouse tells, the character goes where it w
     CHECK(!w.view().tools().busy());
     CHECK(!w.now().goals.contains(w.end));
     CHECK(w.document().session().position() >= steps);
+}
+
+TEST_CASE("latency: it counts from the first input that a picture follows, and from when a move came that waited for others, until the picture is on the screen") {
+    constexpr InputTime kMs = 1'000'000;
+    LatencyMeter m;
+    CHECK(!m.swapped(5 * kMs));  // nothing was asked for
+    CHECK(!m.latency());
+    m.shows(10 * kMs);
+    m.shows(20 * kMs);  // before anything was drawn: the picture follows both
+    m.painted();
+    m.shows(30 * kMs);  // after it was drawn: the next one does
+    REQUIRE(m.swapped(1000 * kMs));
+    CHECK(m.latency()->medianMs == doctest::Approx(990.0));
+    CHECK(!m.swapped(1001 * kMs));
+    m.painted();
+    CHECK(!m.swapped(1080 * kMs));  // half a second has not passed: nothing is told, but it is measured
+    CHECK(m.latency()->pictures == 2);
+    CHECK(m.latency()->p99Ms == doctest::Approx(1050.0));
+    m.forget();
+    m.moved(1990 * kMs, 2006 * kMs);
+    m.moved(2010 * kMs, 2011 * kMs);  // the first one counts
+    m.shows(2005 * kMs);
+    m.shows(2005 * kMs);  // and once
+    m.painted();
+    REQUIRE(m.swapped(2020 * kMs));
+    CHECK(m.latency()->medianMs == doctest::Approx(30.0));
+}
+
+TEST_CASE("latency: a drag in the view has one, and the status bar says it") {
+    Posing w;
+    const auto* strip = w.window().findChild<StatusStrip*>();
+    const auto said = [&] {
+        const auto labels = strip->findChildren<QLabel*>();
+        return std::any_of(labels.begin(), labels.end(), [](const QLabel* label) { return label->isVisible() && label->text().startsWith(QStringLiteral("latency ")); });
+    };
+    w.view().latency().forget();
+    w.beginDrag();
+    const QPoint from = w.at();
+    int moves = 0;
+    waitFor([&] {
+        QTest::mouseMove(&w.view(), from + QPoint(++moves % 40, 0));
+        return w.view().latency().latency() && said();
+    });
+    const auto latency = w.view().latency().latency();
+    CHECK(latency->medianMs > 0.0);
+    CHECK(latency->medianMs <= latency->p99Ms);
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
 }
 
 TEST_CASE("viewport: Esc, the right button and undo in mid-drag take the drag back, and nothing else") {

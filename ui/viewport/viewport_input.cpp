@@ -80,6 +80,7 @@ void ViewportWidget::withTool(const Act& act) {
 
 void ViewportWidget::keepMove(const PointerEvent& e) {
     if (move_ && (move_->modifiers != e.modifiers || move_->buttons != e.buttons)) giveMove();
+    if (!move_) movedAt_ = inputTime();
     move_ = e;
     const qint64 passed = sinceMove_.isValid() ? sinceMove_.elapsed() : FrameClock::kFrameMs;
     if (passed >= FrameClock::kFrameMs)
@@ -96,6 +97,7 @@ void ViewportWidget::giveMove() {
     withTool([&](Tool& tool) {
         tool.move(*e);
         const auto& hovered = document_.hovered();
+        latency_.moved(movedAt_, inputTime());
         if (!tool.busy()) overlapping_ = hovered && hovered->kind == SelectionItem::Kind::Endpoint ? int(endpointsUnder(document_.session(), *e).size()) : 0;
     });
 }

@@ -45,7 +45,10 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     });
     connect(&clock_, &FrameClock::ticked, this, &ViewportWidget::redraw);
     connect(&document_, &StudioDocument::frameStepped, this, [this] {
-        if (const auto frame = document_.session().performed()) meter_.addWork(frame->milliseconds);
+        if (const auto frame = document_.session().performed()) {
+            meter_.addWork(frame->milliseconds);
+            latency_.shows(frame->input);
+        }
         redraw();
     });
     nextMove_.setSingleShot(true);
@@ -82,6 +85,9 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     }
     canvas_ = new GlCanvas(this);
     connect(canvas_, &GlCanvas::painting, this, &ViewportWidget::paint);
+    connect(canvas_, &GlCanvas::frameSwapped, this, [this] {
+        if (const auto latency = latency_.swapped(inputTime())) Q_EMIT latencyMeasured(*latency);
+    });
     connect(canvas_, &GlCanvas::failed, this, [this, needed](const QString& why) { showMessage(needed + QStringLiteral("\n\n") + why); });
     connect(canvas_, &GlCanvas::ready, this, [this] {
         if (message_) message_->hide();
@@ -383,6 +389,7 @@ void ViewportWidget::paint() {
     for (const LimitWord& word : limitWords(document_.session()))
         if (const auto at = onScreen(word.at)) ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), {}, {}, nullptr, word.text, *at}.paint(painter, document_);
     painter.end();
+    latency_.painted();
 
     if (fade_.active()) redraw();
     if (!scene_.smooth && renderer.software() && quality_ == PictureQuality::Automatic) still_.start();

@@ -15,6 +15,7 @@
 #include "ui/viewport/camera_controller.h"
 #include "ui/viewport/frame_clock.h"
 #include "ui/viewport/frame_meter.h"
+#include "ui/viewport/latency_meter.h"
 #include "ui/viewport/gl_canvas.h"
 #include "ui/viewport/tool_host.h"
 #include "ui/viewport/view_navigator.h"
@@ -86,6 +87,8 @@ public:
     /// True while a body blends from its previous shape into the new one, or keeps the previous shape because its response is being computed.
     [[nodiscard]] bool fading() const { return fade_.active(); }
 
+    [[nodiscard]] LatencyMeter& latency() { return latency_; }
+
     [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }
     [[nodiscard]] QSize minimumSizeHint() const override { return {160, 120}; }
 
@@ -93,6 +96,8 @@ Q_SIGNALS:
     void hintChanged(const QString& hint);
     /// cpuMs: solving, updating and drawing of one frame (about ten times a second while frames are drawn); fps: 0 while nothing moves.
     void frameMeasured(double cpuMs, double fps, int vertices, double uploadMs);
+    /// About twice a second while frames follow inputs.
+    void latencyMeasured(const LatencyMeter::Latency& latency);
     /// Projection, bones, grid, bodies or x-ray were switched, by whom ever.
     void viewChanged();
 
@@ -149,6 +154,7 @@ private:
     CameraController camera_;
     ViewNavigator navigator_{camera_};
     FrameMeter meter_;
+    LatencyMeter latency_;
     FrameClock clock_;
     DeformOn deformOn_ = DeformOn::Automatic;
     PictureQuality quality_ = PictureQuality::Automatic;
@@ -162,6 +168,7 @@ private:
     std::optional<Behind> behind_;
     bool again_ = false;                ///< what the button was pressed on was selected already
     std::optional<PointerEvent> move_;  ///< that the tool has not heard of yet
+    InputTime movedAt_ = 0;             ///< when it came, or the first of those that it replaced
     QElapsedTimer sinceMove_;           ///< since it heard of one
     QTimer nextMove_;
 

@@ -347,6 +347,7 @@ void MainWindow::connectPanels() {
 void MainWindow::connectView() {
     connect(viewport_, &ViewportWidget::hintChanged, this, &MainWindow::sayHint);
     connect(viewport_, &ViewportWidget::frameMeasured, status_, &StatusStrip::setFrame);
+    connect(viewport_, &ViewportWidget::latencyMeasured, status_, &StatusStrip::setLatency);
     connect(viewport_, &ViewportWidget::frameMeasured, costs_, &FrameCostMeter::take);
     sayHint();
     const QSettings settings;

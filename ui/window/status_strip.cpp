@@ -36,9 +36,10 @@ StatusStrip::StatusStrip(StudioDocument& document, std::function<std::optional<P
     vertices_ = new QLabel(this);
     ms_ = new QLabel(this);
     fps_ = new QLabel(this);
-    for (QLabel* label : {vertices_, ms_, fps_}) label->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
+    latency_ = new QLabel(this);
+    for (QLabel* label : {vertices_, ms_, fps_, latency_}) label->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
     auto* layout = fill(new QHBoxLayout(this), QMargins(12, 3, 14, 4), Spacing{8}, mouse_, Share{hint_, 1}, warning_, state_);
-    for (QLabel* label : {vertices_, ms_, fps_}) layout->addWidget(label);
+    for (QLabel* label : {vertices_, ms_, fps_, latency_}) layout->addWidget(label);
     connect(state_, &QToolButton::clicked, this, &StatusStrip::precomputeWanted);
     const auto soon = [this] {
         if (scheduled_) return;
@@ -73,6 +74,15 @@ void StatusStrip::setFrame(double cpuMs, double fps) {
         ms_->setToolTip(tr("Processor time of one frame, with drawing.\nOf that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms")
                             .arg(ms(s->pose), ms(s->joints + s->equilibrium), ms(s->product), ms(s->normals)));
     }
+}
+
+void StatusStrip::setLatency(const LatencyMeter::Latency& latency) {
+    const QLocale locale;
+    const auto ms = [&](double value) { return locale.toString(value, 'f', 0); };
+    const bool first = latency_->text().isEmpty();
+    latency_->setText(tr("latency %1 ms").arg(ms(latency.medianMs)));
+    latency_->setToolTip(tr("From an input (mouse, controller, network) to its picture on the screen: median %1 ms, 99th percentile %2 ms").arg(ms(latency.medianMs), ms(latency.p99Ms)));
+    if (first) update();
 }
 
 void StatusStrip::showFrame() {
@@ -154,6 +164,7 @@ void StatusStrip::update() {
     // As high with as without the sign of the precompute, in languages with higher letters, too.
     const QMargins around = layout()->contentsMargins();
     setMinimumHeight(std::max(px(32), around.top() + state_->sizeHint().height() + around.bottom()));
+    if (!latency_->text().isEmpty()) latency_->setMinimumWidth(fontMetrics().horizontalAdvance(tr("latency %1 ms").arg(QStringLiteral("000"))) + px(4));
     fps_->setToolTip(tr("Frames per second of the viewport"));
     showFrame();
     makeRoom();
@@ -161,7 +172,8 @@ void StatusStrip::update() {
 
 void StatusStrip::makeRoom() {
     for (QLabel* label : {vertices_, ms_, fps_}) label->show();
-    for (QLabel* label : {vertices_, ms_, fps_})
+    latency_->setVisible(!latency_->text().isEmpty());
+    for (QLabel* label : {latency_, vertices_, ms_, fps_})
         if (layout()->activate(), layout()->minimumSize().width() > width()) label->hide();
 }
 

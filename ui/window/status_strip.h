@@ -7,6 +7,7 @@
 
 #include "ui/jobs/estimate_job.h"
 #include "ui/models/studio_document.h"
+#include "ui/viewport/latency_meter.h"
 
 class QLabel;
 class QToolButton;
@@ -15,7 +16,7 @@ namespace imomushi {
 
 class ElidedLabel;
 
-/// The line at the foot: left what the mouse does now, right what the last frame warns of, the state of the precompute, vertices, milliseconds and frames per second.
+/// The line at the foot: left what the mouse does now, right what the last frame warns of, the state of the precompute, vertices, milliseconds, frames per second and latency.
 class StatusStrip : public QWidget {
     Q_OBJECT
 public:
@@ -24,6 +25,7 @@ public:
     void setHint(const QString& hint);
     void update();
     void setFrame(double cpuMs, double fps);
+    void setLatency(const LatencyMeter::Latency& latency);
     void setBusy(const QString& text);  ///< empty: not busy
     [[nodiscard]] QString hint() const;
 
@@ -48,6 +50,7 @@ private:
     QLabel* vertices_;
     QLabel* ms_;
     QLabel* fps_;
+    QLabel* latency_;        ///< empty: not measured yet
     QString busy_;
     double lastMs_ = -1.0, lastFps_ = 0.0;
     bool scheduled_ = false;
