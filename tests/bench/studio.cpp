@@ -285,7 +285,7 @@ int main(int argc, char** argv) {
         if (!QTest::qWaitFor([&] { return !window.startShown() && !view.cameraController().moving(); }, 60'000)) return 1;
         settle();
         view.tools().setTool(ToolKind::Pose);
-        const auto& [bone, held] = *document.document().bones.rbegin();
+        const auto [bone, held] = *document.document().bones.rbegin();  // a copy: the document becomes another one
         const Vec3 rest = *document.session().positionOf({bone, true});
         const auto there = view.onScreen(rest);
         if (!there) continue;

@@ -128,6 +128,22 @@ TEST_CASE("live: plug, learn, play: a control that is moved gets a row, its mete
     waitFor([&] { return !w.document().session().moving(); });
 }
 
+TEST_CASE("live: a port that is open drives the project that is opened next, too") {
+    LiveWindow w;
+    w.plug();
+    for (const Sample& sample : samples()) {
+        w.run({{"do", "new"}});
+        w.open(sample.path);
+        const Vec3 rest = w.place(w.lastEnd());
+        waitFor([&] {
+            w.sender->send(oscBytes("/imomushi/bone/" + w.lastEndName() + "/position", {float(rest.x()), float(rest.y() + 0.1), float(rest.z())}));
+            return (w.place(w.lastEnd()) - rest).norm() > 0.01;
+        });
+        w.inputs().letGo();
+        w.inputs().goOn();
+    }
+}
+
 TEST_CASE("live: panic lets everything glide to rest, and inputs move nothing until they go on") {
     LiveWindow w;
     w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.2}}});
