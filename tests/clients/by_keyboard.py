@@ -280,10 +280,10 @@ def session(studio, folder):
     studio.set("Target: Y", "0.6")
     record, target = studio.find(BUTTONS, "Record"), studio.find(FIELDS, "Target: Y")
     record.do_action(0)
-    time.sleep(0.4)
+    time.sleep(1.0)
     said("recording")
     studio.fill("Target: Y", target, "-0.6")
-    time.sleep(0.3)
+    time.sleep(1.5)  # on a busy machine a step takes a while
     record.do_action(0)
     said("recorded")
 

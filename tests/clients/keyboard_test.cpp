@@ -22,7 +22,7 @@ TEST_CASE("by keyboard and screen reader alone: import, cut, faces and bones, ea
     const std::string quoted = "'" + folder.path().string() + "'";
     // Debian's python knows the bus; another one that comes first in PATH may not.
     const std::string python = std::filesystem::exists("/usr/bin/python3") ? "/usr/bin/python3" : "python3";
-    const int code = std::system(("cd " + quoted + " && timeout 100 dbus-run-session -- " + python + " '" IMOMUSHI_CLIENTS "/by_keyboard.py' '" IMOMUSHI_PROGRAM "' " + quoted + " >said 2>errors").c_str());
+    const int code = std::system(("cd " + quoted + " && timeout 280 dbus-run-session -- " + python + " '" IMOMUSHI_CLIENTS "/by_keyboard.py' '" IMOMUSHI_PROGRAM "' " + quoted + " >said 2>errors").c_str());
     const int status = WIFEXITED(code) ? WEXITSTATUS(code) : -1;
     const std::string said = imomushi::readFile(folder / "said");
     if (status == kLeftOut || status == kNoProgram) return imomushi::leaveOut(said.empty() ? "dbus-run-session is not installed" : said);
