@@ -125,7 +125,7 @@ public:
     struct Performed {
         std::uint64_t step = 0;
         double milliseconds = 0.0;
-        InputTime input = 0;   ///< when the first input came that it shows and no frame before it; the same as before: none did
+        InputTime input = 0;   ///< when the first input came that this frame shows and none before it did; 0, or the same as before: there was none
         double leftOut = 0.0;  ///< s of performance that were left out so far, as steps took longer than their time
     };
     [[nodiscard]] std::optional<Performed> performed() const;

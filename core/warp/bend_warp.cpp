@@ -20,8 +20,9 @@ namespace {
 constexpr double kMinStretch = 0.1, kMaxStretch = 10.0;
 // Triangles near a face follow it (BendWarpTables::follow) by the square of the motion of the face: half at this one, radians.
 constexpr float kBandMotion = 0.04f;
-// Where the response strains triangles by more than the first of these, vertices go towards the mean of their neighbours, wholly from the second on, so often and so far.
+// Vertices of triangles that the response strains by more than the first (TargetBatch::strain; surfaces of nearly twice their length) are smoothed, fully from the second on.
 constexpr float kLargeStrain = 0.6f, kTornStrain = 1.2f;
+// Each pass moves them by this part of the way to the mean of their neighbours. Fewer passes left folds in the ankles of a penguin that is pulled by half its height.
 constexpr int kSmoothings = 12;
 constexpr float kSmoothing = 0.6f;
 // The inflation moves no vertex by more than this part of the cube root of the volume.
@@ -286,7 +287,8 @@ struct BendWarp::State {
         for (int i = 0; i < t.free; ++i) at[i] += force[i];
     }
 
-    // The end of step 4. The fourth numbers of `force` say how far vertices are strained, 0 to 1; those of `displacement`, which is done with, count neighbours, each of two triangles.
+    // The end of step 4. `force` and `displacement` are free by then: their fourth numbers hold how much a vertex is smoothed, 0 to 1, and how many neighbours were summed (each counts
+    // twice, once for each triangle at the edge to it).
     void smoothStrained() {
         std::fill(force.begin(), force.end(), Vector4f::Zero());
         for (std::size_t k = 0; k < t.triangles.size(); ++k)

@@ -15,8 +15,8 @@
 #include "ui/viewport/camera_controller.h"
 #include "ui/viewport/frame_clock.h"
 #include "ui/viewport/frame_meter.h"
-#include "ui/viewport/latency_meter.h"
 #include "ui/viewport/gl_canvas.h"
+#include "ui/viewport/latency_meter.h"
 #include "ui/viewport/tool_host.h"
 #include "ui/viewport/view_navigator.h"
 
