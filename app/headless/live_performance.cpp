@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/commands/hold_inputs.h"
 #include "core/commands/meetings.h"
 #include "core/input/input_listener.h"
+#include "core/session/hold_inputs.h"
 
 namespace imomushi {
 

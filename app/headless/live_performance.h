@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/commands/session_access.h"
 #include "core/input/input_triggers.h"
 #include "core/input/raw_inputs.h"
 #include "core/live/input_driver.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

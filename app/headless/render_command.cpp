@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/base/finite.h"
-#include "core/commands/session.h"
-#include "core/commands/session_access.h"
+#include "core/session/session.h"
+#include "core/session/session_access.h"
 #include "ui/render/image.h"
 #include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"

@@ -8,9 +8,9 @@
 
 #include "app/headless/live_command.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/document/command_support.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session.h"
 #ifdef IMOMUSHI_RENDER_COMMAND
 #include "app/headless/render_command.h"
 #endif

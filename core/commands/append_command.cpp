@@ -7,11 +7,11 @@
 
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/part_copies.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/project/project_file.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

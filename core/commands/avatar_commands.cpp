@@ -5,11 +5,11 @@
 
 #include "core/base/json_member.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/avatar.h"
 #include "core/document/command_support.h"
 #include "core/document/morph_weights.h"
 #include "core/live/live_character.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/joints/seam.h"
 #include "core/mesh/winding_number.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

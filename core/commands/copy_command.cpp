@@ -4,14 +4,14 @@
 
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/pasted_parts.h"
-#include "core/commands/session_access.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
 #include "core/document/names.h"
 #include "core/project/project_file.h"
+#include "core/session/document_edit.h"
+#include "core/session/session_access.h"
 
 // "copy": parts of a document as commands that "paste" gives to this document or to another one.
 

@@ -3,10 +3,10 @@
 #include <string_view>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/character_cuts.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

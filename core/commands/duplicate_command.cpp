@@ -4,10 +4,10 @@
 
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/part_copies.h"
 #include "core/commands/take_copies.h"
 #include "core/document/command_support.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

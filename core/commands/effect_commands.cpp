@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/command_support.h"
 #include "core/document/effect_meetings.h"
 #include "core/document/names.h"
 #include "core/live/performance.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -4,13 +4,13 @@
 
 #include "core/base/formatted.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
 #include "core/document/names.h"
 #include "core/joints/seam.h"
 #include "core/mesh/bounds.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

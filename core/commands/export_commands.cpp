@@ -5,11 +5,11 @@
 #include <array>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/rig_movers.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -5,10 +5,10 @@
 #include "core/commands/effect_commands.h"
 #include "core/commands/handle_commands.h"
 #include "core/commands/mapping_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/project/project_versions.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -5,11 +5,11 @@
 
 #include "core/base/formatted.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/standing_places.h"
 #include "core/mesh/bounds.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/core_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/import_request.h"
 #include "core/document/attachments.h"
 #include "core/document/character_cuts.h"
@@ -12,6 +11,7 @@
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/mesh/connectivity.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -3,13 +3,13 @@
 #include <set>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/live/live_character.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -9,9 +9,9 @@
 
 #include "core/commands/core_commands.h"
 #include "core/commands/proposal_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

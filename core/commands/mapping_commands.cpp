@@ -7,10 +7,10 @@
 
 #include "core/base/atomic_file.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/input_mapping.h"
+#include "core/session/document_edit.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -4,12 +4,12 @@
 #include <functional>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/joints/seam.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/weld.h"
 #include "core/mesh/write_mesh.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

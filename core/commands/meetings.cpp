@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/meetings.h"
 
-#include "core/commands/session_access.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -6,7 +6,6 @@
 
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
 #include "core/document/character_cuts.h"
 #include "core/document/command_support.h"
@@ -15,6 +14,7 @@
 #include "core/document/side_names.h"
 #include "core/joints/carried_face.h"
 #include "core/mesh/bounds.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

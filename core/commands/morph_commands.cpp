@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Weights of morph targets.
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/command_support.h"
 #include "core/document/morph_weights.h"
 #include "core/live/live_character.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/commands/document_edit.h"
 #include "core/commands/placing.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -11,12 +11,12 @@
 #include "core/base/hash.h"
 #include "core/commands/copied_parts.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/pasted_parts.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/joints/joint_face.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

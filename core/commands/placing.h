@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/commands/document_edit.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -7,14 +7,14 @@
 
 #include "core/base/finite.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
 #include "core/commands/meetings.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/input_mapping.h"
 #include "core/document/morph_weights.h"
 #include "core/live/live_input.h"
+#include "core/session/document_edit.h"
+#include "core/session/session_access.h"
 #include "core/touch/touch_contact.h"
 
 namespace imomushi {

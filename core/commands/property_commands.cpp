@@ -3,7 +3,6 @@
 
 #include "core/base/colour.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/effect_commands.h"
 #include "core/commands/handle_commands.h"
 #include "core/document/command_support.h"
@@ -11,6 +10,7 @@
 #include "core/document/input_mapping.h"
 #include "core/document/material_preset.h"
 #include "core/document/names.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

@@ -7,13 +7,13 @@
 #include "core/base/formatted.h"
 #include "core/commands/core_commands.h"
 #include "core/commands/import_request.h"
-#include "core/commands/session_access.h"
 #include "core/document/attachments.h"
 #include "core/document/command_support.h"
 #include "core/mesh/bounds.h"
 #include "core/proposal/proposal_edit.h"
 #include "core/proposal/rig_proposal.h"
 #include "core/proposal/shape_proposal.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 
@@ -189,26 +189,6 @@ bool canBecomeSoft(const Document& document, const CharacterSource& character) {
 
 bool canBecomeSoft(const Document& document, const Element& element) {
     return !element.piece && element.faces.empty() && std::none_of(document.bones.begin(), document.bones.end(), [&](const auto& bone) { return bone.second->element == element.id; });
-}
-
-Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress) {
-    using From = ProposalRequest::From;
-    if (character.rig && !character.rig->bones.empty() && request.from != From::Shape) {
-        std::optional<std::vector<int>> chosen;
-        if (request.bones) {
-            chosen.emplace();
-            for (const std::string& name : *request.bones) {
-                chosen->push_back(character.rig->boneIndex(name));
-                if (chosen->back() < 0) return fail("no-such-bone", "The skeleton of \"" + character.name + "\" has no bone \"" + name + "\".");
-            }
-        }
-        auto proposal = proposeFromRig(*character.rig, character.model->mesh.body, character.body->mesh, request.least < 0.0 ? std::nullopt : std::optional(request.least), progress, chosen);
-        // A skeleton that divides nothing is no reason to leave a shape whole.
-        if (!proposal || !proposal->cuts.empty() || request.from == From::Skeleton) return proposal;
-    }
-    if (request.from == From::Skeleton)
-        return fail("no-skeleton", "The character \"" + character.name + "\" came without a skeleton: import one, or propose from its \"shape\".");
-    return proposeFromShape(character.body->mesh, request.least < 0.0 ? kLeastShare : request.least, progress);
 }
 
 Json proposalJson(const CharacterSource& character, const Proposal& proposal) {

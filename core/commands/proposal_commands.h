@@ -5,23 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "core/proposal/proposal.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
+#include "core/session/proposal_request.h"
 
 namespace imomushi {
 
 /// What "from", "least" and "bones" ask for. Errors: "bad-value", "bad-type".
-struct ProposalRequest {
-    enum class From { Auto, Skeleton, Shape } from = From::Auto;
-    double least = -1.0;  ///< smallest share of the flesh of a piece, 0...1; negative: as is usual
-    std::optional<std::vector<std::string>> bones;  ///< of the file's skeleton, that stay; none: those that move enough flesh
-    bool operator==(const ProposalRequest&) const = default;
-};
 Result<ProposalRequest> proposalRequestFrom(const Json& arguments);
-
-/// Proposes for a character. Auto: from its skeleton, if its file brought one, else from its shape. Errors: those of proposeFromShape(), "no-skeleton", "no-such-bone".
-Result<Proposal> proposeFor(const CharacterSource& character, const ProposalRequest& request, const Progress& progress);
 
 /// What make-soft and propose begin with: a character without cuts, bones and handles, or an element of its own without joint faces, handles and bones.
 [[nodiscard]] bool canBecomeSoft(const Document& document, const CharacterSource& character);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/document/character_repair.h"
 #include "core/document/command_support.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

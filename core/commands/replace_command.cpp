@@ -6,7 +6,6 @@
 #include "core/base/formatted.h"
 #include "core/body/cut.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/handle_commands.h"
 #include "core/commands/import_request.h"
 #include "core/document/attachments.h"
@@ -17,6 +16,7 @@
 #include "core/document/names.h"
 #include "core/joints/carried_face.h"
 #include "core/mesh/bounds.h"
+#include "core/session/document_edit.h"
 
 namespace imomushi {
 

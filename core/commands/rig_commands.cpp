@@ -5,13 +5,13 @@
 #include <set>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/document_edit.h"
 #include "core/commands/import_request.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/document/names.h"
 #include "core/document/rig_follower.h"
 #include "core/mesh/retarget.h"
+#include "core/session/document_edit.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

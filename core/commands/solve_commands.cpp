@@ -7,9 +7,9 @@
 #include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/session_access.h"
 #include "core/document/body_error.h"
 #include "core/document/command_support.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

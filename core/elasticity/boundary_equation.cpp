@@ -17,7 +17,7 @@ constexpr std::size_t kNodeGrain = 16;
 
 }  // namespace
 
-BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles,
+BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, const EdgeTable& edges, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles,
                                    double nu)
     : mesh_(mesh), nu_(nu) {
     const Eigen::RowVector3d low = mesh.vertices.colwise().minCoeff(), high = mesh.vertices.colwise().maxCoeff();
@@ -48,7 +48,6 @@ BoundaryEquation::BoundaryEquation(const TriangleMesh& mesh, std::span<const Hel
     inPatch_.assign(triangleCount, 0);
     for (const HeldPatch& patch : held)
         for (const std::int32_t f : patch.triangles) inPatch_[static_cast<std::size_t>(f)] = 1;
-    const EdgeTable edges(mesh.triangles);
     std::vector<std::int32_t> bubbleOf(static_cast<std::size_t>(edges.size()), -1);
     if (!bubbles.empty()) {
         std::vector<std::array<std::int32_t, 2>> keys(static_cast<std::size_t>(edges.size()));

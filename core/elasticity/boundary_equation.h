@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/elasticity/kernels.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/topology.h"
 
 namespace imomushi {
 
@@ -27,8 +28,8 @@ struct HeldPatch {
 /// Lengths are in units of the body's size, so that entries are of order one whatever the body's unit and place.
 class BoundaryEquation {
 public:
-    /// `mesh`: closed, outward, without degenerate triangles. `bubbles`: vertices of edges, each edge once, of which no triangle is held.
-    BoundaryEquation(const TriangleMesh& mesh, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles, double nu);
+    /// `mesh`: closed, outward, without degenerate triangles, with these edges. `bubbles`: vertices of edges, each edge once, of which no triangle is held.
+    BoundaryEquation(const TriangleMesh& mesh, const EdgeTable& edges, std::span<const HeldPatch> held, std::span<const std::array<std::int32_t, 2>> bubbles, double nu);
 
     [[nodiscard]] std::int32_t nodes() const { return static_cast<std::int32_t>(points_.rows()); }
     [[nodiscard]] std::int32_t freeCount() const { return freeCount_; }      ///< nodes 0...

@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/base/finite.h"
-#include "core/mesh/topology.h"
+#include "core/base/try.h"
 
 namespace imomushi {
 
 namespace {
 
-Result<void> checkMesh(const TriangleMesh& mesh) {
+/// The edges of a mesh that can be solved on.
+Result<EdgeTable> checkedEdges(const TriangleMesh& mesh) {
     const Eigen::Index count = mesh.vertices.rows();
     if (count < 4 || mesh.triangles.rows() < 4)
         return fail("not-closed", "The mesh has too few triangles to enclose a body; import a closed surface.");
@@ -25,7 +27,7 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
         for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(mesh.triangles(f, c))] = 1;
     if (std::find(used.begin(), used.end(), 0) != used.end())
         return fail("bad-value", "The mesh has a vertex that belongs to no triangle; remove it.");
-    const EdgeTable edges(mesh.triangles);
+    EdgeTable edges(mesh.triangles);
     for (int e = 0; e < edges.size(); ++e) {
         const auto uses = edges.uses(e);
         if (uses.size() != 2 || uses[0].forward == uses[1].forward)
@@ -33,16 +35,16 @@ Result<void> checkMesh(const TriangleMesh& mesh) {
                         "The surface is not closed and evenly oriented at the edge between vertices " + std::to_string(uses[0].low) + " and " +
                             std::to_string(uses[0].high) + "; repair the mesh.");
     }
-    return {};
+    return edges;
 }
 
 }  // namespace
 
-Result<std::vector<int>> patchOfVertices(const BoundaryProblem::Input& input) {
+Result<HeldSurface> heldSurface(const BoundaryProblem::Input& input) {
     if (!input.mesh) return fail("bad-value", "There is no mesh to solve on.");
     if (!std::isfinite(input.nu) || input.nu < 0.0 || input.nu > 0.5) return fail("bad-value", "The Poisson ratio must lie between 0 and 0.5.");
     const TriangleMesh& mesh = *input.mesh;
-    if (auto ok = checkMesh(mesh); !ok) return tl::make_unexpected(ok.error());
+    IMOMUSHI_TRY(auto edges, checkedEdges(mesh));
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
         if (degenerate(mesh, f))
             return fail("bad-value", "Triangle " + std::to_string(f) + " has no area; repair the mesh.");
@@ -80,13 +82,12 @@ Result<std::vector<int>> patchOfVertices(const BoundaryProblem::Input& input) {
     }
     if (std::find(patchOf.begin(), patchOf.end(), -1) == patchOf.end())
         return fail("no-free-vertex", "Joint faces cover the whole surface; leave some of it free.");
-    return patchOf;
+    return HeldSurface{std::move(patchOf), std::move(edges)};
 }
 
-bool hasUnheldPart(const TriangleMesh& mesh, const std::vector<int>& patchOf) {
+bool hasUnheldPart(const TriangleMesh& mesh, const HeldSurface& surface) {
     int count = 0;
-    const EdgeTable edges(mesh.triangles);
-    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, edges, count);
+    const std::vector<std::int32_t> component = edgeComponents(mesh.triangles, surface.edges, count);
     if (count == 1) return false;
     const Vec3 origin = mesh.vertices.row(0).transpose();
     std::vector<double> volume(static_cast<std::size_t>(count));
@@ -94,7 +95,7 @@ bool hasUnheldPart(const TriangleMesh& mesh, const std::vector<int>& patchOf) {
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
         const auto part = static_cast<std::size_t>(component[static_cast<std::size_t>(f)]);
         volume[part] += areaVector(mesh, f).dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0)).transpose()) - origin) / 6.0;
-        for (int c = 0; c < 3; ++c) held[part] |= patchOf[static_cast<std::size_t>(mesh.triangles(f, c))] >= 0;
+        for (int c = 0; c < 3; ++c) held[part] |= surface.patchOf[static_cast<std::size_t>(mesh.triangles(f, c))] >= 0;
     }
     for (std::size_t part = 0; part < held.size(); ++part)
         if (volume[part] > 0.0 && !held[part]) return true;

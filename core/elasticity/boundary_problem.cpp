@@ -144,18 +144,18 @@ Result<double> BoundaryProblem::State::assemble(const Progress& progress) {
 }
 
 Result<void> BoundaryProblem::check(const Input& input) {
-    if (auto patches = patchOfVertices(input); !patches) return tl::make_unexpected(patches.error());
+    if (auto surface = heldSurface(input); !surface) return tl::make_unexpected(surface.error());
     return {};
 }
 
 Result<BoundaryProblem> BoundaryProblem::build(const Input& input, const Progress& progress) {
-    const auto patchOf = patchOfVertices(input);
-    if (!patchOf) return tl::make_unexpected(patchOf.error());
+    const auto surface = heldSurface(input);
+    if (!surface) return tl::make_unexpected(surface.error());
     const TriangleMesh& mesh = *input.mesh;
     auto state = std::make_unique<State>();
     state->threads = std::max(1, input.threads);
-    state->equation = std::make_unique<const BoundaryEquation>(mesh, input.held, input.bubbles, input.nu);
-    state->unheld = hasUnheldPart(mesh, *patchOf);
+    state->equation = std::make_unique<const BoundaryEquation>(mesh, surface->edges, input.held, input.bubbles, input.nu);
+    state->unheld = hasUnheldPart(mesh, *surface);
     if (auto ok = state->build(progress); !ok) return tl::make_unexpected(ok.error());
     return BoundaryProblem(std::move(state));
 }

@@ -231,10 +231,10 @@ Result<VolumeProblem> VolumeProblem::build(const Input& input, const Progress& p
     checked.mesh = input.surface;
     checked.held = input.held;
     checked.nu = input.nu;
-    const auto patchOf = patchOfVertices(checked);
-    if (!patchOf) return tl::make_unexpected(patchOf.error());
+    const auto surface = heldSurface(checked);
+    if (!surface) return tl::make_unexpected(surface.error());
     if (input.nu > kLargestNu) return fail("bad-value", "Tetrahedra take a Poisson ratio up to 0.49; choose another solver mesh.");
-    if (hasUnheldPart(*input.surface, *patchOf)) return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face.");
+    if (hasUnheldPart(*input.surface, *surface)) return fail("singular", "The equations of this body have no unique answer; check that every separate part of it has a joint face.");
     auto state = std::make_unique<State>();
     State& s = *state;
     const auto start = Clock::now();

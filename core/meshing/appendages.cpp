@@ -13,6 +13,7 @@
 
 #include "core/base/index.h"
 #include "core/mesh/cgal/intersections.h"
+#include "core/mesh/connectivity.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_corners.h"
 
@@ -256,18 +257,19 @@ std::optional<Disc> bestDisc(const TriangleMesh& body, const EdgeTable& edges, c
 
 }  // namespace
 
-Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress) {
+Result<TrimmedBody> withoutAppendages(const ElementMesh& element, std::span<const JointFace> faces, const Progress& progress) {
+    const TriangleMesh& body = element.body;
     TrimmedBody whole{body, {faces.begin(), faces.end()}, std::vector<std::int32_t>(static_cast<std::size_t>(body.vertices.rows())), {}};
     std::iota(whole.bodyVertex.begin(), whole.bodyVertex.end(), 0);
     if (faces.empty()) return whole;
-    const EdgeTable edges(body.triangles);
+    const EdgeTable& edges = element.connectivity().edges();
     if (2 * static_cast<Eigen::Index>(edges.size()) != body.triangles.size()) return whole;  // not closed, which the solver refuses
     for (int e = 0; e < edges.size(); ++e)
         if (edges.uses(e).size() != 2) return whole;
     int shells = 0;
     edgeComponents(body.triangles, edges, shells);
     if (shells != 1) return whole;
-    const VertexCorners around(body);
+    const VertexCorners& around = element.connectivity().corners();
     const std::vector<double> distance = distancesFrom(body, faces, around);
 
     TrimmedBody out;

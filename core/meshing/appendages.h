@@ -38,11 +38,11 @@ struct TrimmedBody {
     [[nodiscard]] Eigen::MatrixXd onBody(const Points& body, const Eigen::MatrixXd& displacement) const;
 };
 
-/// Cuts the appendages of a closed body off, along existing edges and somewhat above their feet. An appendage is a disc of the surface without a
+/// Cuts the appendages of an element's closed body off, along existing edges and somewhat above their feet. An appendage is a disc of the surface without a
 /// joint face that is longer than kSlender widths, and as far from all joint faces as it is wide; what is cut off is longer than wide. What leads to a
 /// joint face is none. Left as they are: bodies without joint faces, of several shells, or that would meet themselves. Independent of unit and place up to rounding; deterministic, one
 /// thread, about n log n. Errors: "cancelled".
-Result<TrimmedBody> withoutAppendages(const TriangleMesh& body, std::span<const JointFace> faces, const Progress& progress);
+Result<TrimmedBody> withoutAppendages(const ElementMesh& element, std::span<const JointFace> faces, const Progress& progress);
 
 /// Length over width of the stubbiest appendage. Against finite elements on a bent bar, the error of a horn relative to the motion of the bar is then, with
 /// the default solver mesh: of 1.6 widths 1 % without cutting it off, 2.4 widths 1.7 %, 3.9 widths 7 %, 6.3 widths 33 %; 1 to 1.7 % for all where it is cut off.

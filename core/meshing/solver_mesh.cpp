@@ -153,9 +153,8 @@ constexpr double kSharp = std::numbers::pi / 6.0;
 /// Away from a singular edge the wanted size may be this times the distance from it.
 constexpr double kSizeGrading = 0.6;
 
-/// Edges at which displacement is singular: rims of faces, and free edges that are sharp and re-entrant.
-template <class Visit>
-void eachSingularEdge(const TriangleMesh& body, const std::vector<std::int32_t>& labels, const Visit& visit) {
+std::vector<SingularEdge> singularEdgesOf(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+    std::vector<SingularEdge> out;
     const EdgeTable edges(body.triangles);
     for (int e = 0; e < edges.size(); ++e) {
         const auto uses = edges.uses(e);
@@ -168,30 +167,24 @@ void eachSingularEdge(const TriangleMesh& body, const std::vector<std::int32_t>&
             const Vec3 apex = body.vertices.row(body.triangles(t, (uses[1].corner + 2) % 3)) - body.vertices.row(uses[1].low);
             singular = m.dot(apex) > 0.0 && m.dot(n) < (std::cos(kSharp) - kTie) * m.norm() * n.norm();
         }
-        if (singular) visit(uses[0].low, uses[0].high, sFace != tFace);
+        if (singular) out.push_back({uses[0].low, uses[0].high, std::max(sFace, tFace)});
     }
+    return out;
 }
 
 /// The same, as triangles without area.
-TriangleMesh singularEdges(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
-    std::vector<std::array<std::int32_t, 2>> found;
-    eachSingularEdge(body, labels, [&](std::int32_t a, std::int32_t b, bool) { found.push_back({a, b}); });
+TriangleMesh singularSegments(const TriangleMesh& body, const std::vector<std::int32_t>& labels) {
+    const std::vector<SingularEdge> found = singularEdgesOf(body, labels);
     TriangleMesh segments;
     segments.vertices = body.vertices;
     segments.triangles.resize(static_cast<Eigen::Index>(found.size()), 3);
-    for (std::size_t i = 0; i < found.size(); ++i) segments.triangles.row(static_cast<Eigen::Index>(i)) << found[i][0], found[i][1], found[i][1];
+    for (std::size_t i = 0; i < found.size(); ++i) segments.triangles.row(static_cast<Eigen::Index>(i)) << found[i].low, found[i].high, found[i].high;
     return segments;
 }
 
 }  // namespace
 
-std::vector<std::array<std::int32_t, 2>> reentrantEdges(const SolverMesh& mesh) {
-    std::vector<std::array<std::int32_t, 2>> out;
-    eachSingularEdge(mesh.mesh, MeshPieces(mesh).face, [&](std::int32_t a, std::int32_t b, bool rim) {
-        if (!rim) out.push_back({a, b});
-    });
-    return out;
-}
+std::vector<SingularEdge> singularEdges(const SolverMesh& mesh) { return singularEdgesOf(mesh.mesh, MeshPieces(mesh).face); }
 
 std::vector<SolverMesh::Patch> patchesOf(const Triangles& triangles, std::span<const std::int32_t> face, std::size_t count) {
     std::vector<SolverMesh::Patch> out(count);
@@ -245,7 +238,7 @@ Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const J
     if (!(area > 0.0)) return fail("bad-value", "The body has no surface to refine; repair it first.");
 
     std::vector<std::int32_t> labels = labelsOf(body, faces);
-    const TriangleMesh singular = singularEdges(body, labels);
+    const TriangleMesh singular = singularSegments(body, labels);
     std::optional<TriangleTree> nearestEdge;
     if (singular.triangles.rows() > 0) nearestEdge.emplace(singular);
 

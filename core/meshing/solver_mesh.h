@@ -47,8 +47,13 @@ SolverMesh halvedAtBubbles(const SolverMesh& mesh);
 Result<SolverMesh> refinedSolverMesh(const TriangleMesh& body, std::span<const JointFace> faces, int vertices);
 inline constexpr double kFinestRefined = 0.25;
 
-/// Free edges that are sharp and re-entrant, ascending: the solution is singular there, as it is at rims.
-std::vector<std::array<std::int32_t, 2>> reentrantEdges(const SolverMesh& mesh);
+/// An edge at which the solution is singular.
+struct SingularEdge {
+    std::int32_t low = 0, high = 0;
+    std::int32_t face = -1;  ///< whose rim it is; -1: a free edge, sharp and re-entrant
+};
+/// Ascending by their vertices.
+std::vector<SingularEdge> singularEdges(const SolverMesh& mesh);
 
 /// Bisects the body until no edge of a triangle is longer than the least of `longest` (m, per body vertex) at its corners. That of a new vertex is the mean of those that it lies between, or
 /// what `between` says of its place, where that is longer. `face`: that of each triangle, -1: none; of `count`. Deterministic, no vertex is moved.

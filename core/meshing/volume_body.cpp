@@ -88,18 +88,6 @@ struct OnGrid {
     }
 };
 
-/// Edges that lie between a face and another triangle, with the number of the face.
-template <class Visit>
-void eachRimEdge(const SolverMesh& mesh, const Visit& visit) {
-    const std::vector<std::int32_t> face = facesOfTriangles(mesh);
-    const EdgeTable edges(mesh.mesh.triangles);
-    for (int e = 0; e < edges.size(); ++e) {
-        const auto uses = edges.uses(e);
-        const std::int32_t f = face[static_cast<std::size_t>(uses[0].triangle)], g = face[static_cast<std::size_t>(uses[1].triangle)];
-        if (f != g) visit(uses[0].low, uses[0].high, std::max(f, g));
-    }
-}
-
 /// Sizes of edges around the rims of `mesh`.
 TetrahedronSizes sizesFor(const SolverMesh& mesh, const VolumeDetail& detail) {
     TetrahedronSizes out;
@@ -122,9 +110,12 @@ TetrahedronSizes sizesFor(const SolverMesh& mesh, const VolumeDetail& detail) {
         const int count = std::max(1, static_cast<int>(std::ceil((to - from).norm() / least)));
         for (int i = 0; i < count; ++i) out.points.push_back({from + (i + 0.5) / count * (to - from), least});
     };
-    eachRimEdge(mesh, [&](std::int32_t a, std::int32_t b, std::int32_t f) { along(a, b, std::min(out.most, rim * radius[static_cast<std::size_t>(f)])); });
+    const std::vector<SingularEdge> singular = singularEdges(mesh);
+    for (const auto& [a, b, face] : singular)
+        if (face >= 0) along(a, b, std::min(out.most, rim * radius[static_cast<std::size_t>(face)]));
     if (detail.rim > 0.0)
-        for (const auto& [a, b] : reentrantEdges(mesh)) along(a, b, std::min(out.most, std::min(detail.crease, kCreaseOverRim * detail.rim) * mean));
+        for (const auto& [a, b, face] : singular)
+            if (face < 0) along(a, b, std::min(out.most, std::min(detail.crease, kCreaseOverRim * detail.rim) * mean));
     return out;
 }
 

@@ -144,7 +144,7 @@ Result<ElementResponse> finish(const ResponseInput& input, const Prepared& prepa
     const HeldModes modes = heldModes(element->input.mesh->body, element->input.faces, *solved, response.bases, response.firstColumn);
     response.freeVertices = element->wholeFree;
     WantedLoads wanted{&input, false, {}, {}};
-    if (input.touch > 0) wanted.patches = touchPatches(input.mesh->body, input.faces, input.touch);
+    if (input.touch > 0) wanted.patches = touchPatches(*input.mesh, input.faces, input.touch);
     wanted.body = input.loads == BodyLoads::Always || (input.loads == BodyLoads::WhereCheap && (element->body.appendages.empty() || wanted.patches.count() > 0));
     const bool anyLoads = wanted.body || wanted.patches.count() > 0, loadsApart = anyLoads && !element->body.appendages.empty();
     if (anyLoads && !loadsApart) wanted.place(*solved);

@@ -147,7 +147,7 @@ std::vector<std::int32_t> freeVerticesOf(const ResponseInput& input) {
 }
 
 Result<TrimmedElement> trimmedElement(const ResponseInput& whole, const Progress& progress) {
-    auto body = withoutAppendages(whole.mesh->body, whole.faces, progress);
+    auto body = withoutAppendages(*whole.mesh, whole.faces, progress);
     if (!body) return tl::make_unexpected(body.error());
     TrimmedElement out{&whole, whole, std::move(*body), {}, freeVerticesOf(whole)};
     // A full basis moves each vertex of a face by itself, and an outline is between them.

@@ -30,7 +30,7 @@ ResponseEstimate estimateResponse(const ResponseInput& input) {
     for (const JointFace& face : input.faces) out.columns += FaceBasis::on(input.mesh->body, face, input.basis).columns();
     if (input.faces.empty()) return out;
     if (!checkInput(input)) return out;
-    const auto body = withoutAppendages(input.mesh->body, input.faces, {});
+    const auto body = withoutAppendages(*input.mesh, input.faces, {});
     if (!body) return out;
     const SolvedSize size = solvedSize(body->mesh, body->faces, input.solverMesh, filled(input));
     const int tractions = 3 * std::min<int>(input.touch, static_cast<int>(input.mesh->body.vertices.rows()) / 4);

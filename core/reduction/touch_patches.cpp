@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/mesh/connectivity.h"
 #include "core/mesh/surface_distance.h"
 #include "core/mesh/topology.h"
 #include "core/meshing/mesh_pieces.h"
@@ -44,14 +45,15 @@ Eigen::MatrixXd TouchPatches::dense() const {
     return out;
 }
 
-TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> faces, int count) {
+TouchPatches touchPatches(const ElementMesh& element, std::span<const JointFace> faces, int count) {
+    const TriangleMesh& body = element.body;
     const auto vertices = static_cast<std::size_t>(body.vertices.rows());
     TouchPatches out;
     out.first.assign(vertices + 1, 0);
     if (faces.empty() || count <= 0) return out;
     std::vector<std::int32_t> held;
     for (const JointFace& face : faces) held.insert(held.end(), face.triangles.begin(), face.triangles.end());
-    const std::vector<char> touchable = touchableTriangles(body, EdgeTable(body.triangles), held);
+    const std::vector<char> touchable = touchableTriangles(body, element.connectivity().edges(), held);
     SurfaceDistance surface(body, touchable);
     std::vector<double> nearest(vertices, -1.0);  // of the centres; -1: cannot be touched
     std::size_t reachable = 0;

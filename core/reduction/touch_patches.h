@@ -29,7 +29,7 @@ struct TouchPatches {
 /// About `count` bumps at places as far from each other as can be (farthest-point sampling); at least one on each connected part of the free surface,
 /// at most one for four vertices. None without a joint face, as nothing holds the element then. Distances run along the surface (unfolded triangle by
 /// triangle, Novotni and Klein 2002). Independent of unit and place up to rounding; deterministic, one thread, about count^(1/2) n log n.
-TouchPatches touchPatches(const TriangleMesh& body, std::span<const JointFace> faces, int count);
+TouchPatches touchPatches(const ElementMesh& element, std::span<const JointFace> faces, int count);
 
 /// Per triangle of a mesh with these edges, 1: it belongs neither to a face (`held`: its triangles) nor to a shell that winds inward.
 std::vector<char> touchableTriangles(const TriangleMesh& mesh, const EdgeTable& edges, std::span<const std::int32_t> held);

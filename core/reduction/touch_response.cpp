@@ -28,18 +28,21 @@ std::vector<std::int32_t> heldTriangles(std::span<const JointFace> faces) {
     return out;
 }
 
-/// visit(triangle, area) for those that can be touched.
+std::vector<char> touchableOf(const SolverMesh& mesh) { return touchableTriangles(mesh.mesh, EdgeTable(mesh.mesh.triangles), heldTriangles(mesh)); }
+
+std::vector<char> touchableOf(const TriangleMesh& body, std::span<const JointFace> faces) { return touchableTriangles(body, EdgeTable(body.triangles), heldTriangles(faces)); }
+
+/// visit(triangle, area) for those that can be touched, see touchableTriangles().
 template <class Visit>
-void eachTouchable(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const Visit& visit) {
-    const std::vector<char> touchable = touchableTriangles(mesh, EdgeTable(mesh.triangles), held);
+void eachTouchable(const TriangleMesh& mesh, const std::vector<char>& touchable, const Visit& visit) {
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f)
         if (touchable[static_cast<std::size_t>(f)]) visit(f, 0.5 * areaVector(mesh, f).norm());
 }
 
 /// The integral of each column, linear on each triangle, over what can be touched.
-Eigen::VectorXd integrals(const TriangleMesh& mesh, const std::vector<std::int32_t>& held, const Eigen::MatrixXd& values) {
+Eigen::VectorXd integrals(const TriangleMesh& mesh, const std::vector<char>& touchable, const Eigen::MatrixXd& values) {
     Eigen::VectorXd share = Eigen::VectorXd::Zero(mesh.vertices.rows());
-    eachTouchable(mesh, held, [&](std::int32_t f, double area) {
+    eachTouchable(mesh, touchable, [&](std::int32_t f, double area) {
         for (int c = 0; c < 3; ++c) share[mesh.triangles(f, c)] += area / 3.0;
     });
     return values.transpose() * share;
@@ -72,12 +75,11 @@ Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& 
     const Eigen::Index vertices = mesh.mesh.vertices.rows(), own = static_cast<Eigen::Index>(solved.bodyVertex.size());
     const Eigen::MatrixXd onBody = patches.dense();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(vertices, patches.count());
-    const std::vector<std::int32_t> held = heldTriangles(mesh);
+    const std::vector<char> touchable = touchableOf(mesh);
     if (!solved.decimated) {
         out.topRows(own) = onBody;
     } else {
-        const std::vector<char> onBodyTouchable = touchableTriangles(body, EdgeTable(body.triangles), heldTriangles(faces)),
-                                touchable = touchableTriangles(mesh.mesh, EdgeTable(mesh.mesh.triangles), held);
+        const std::vector<char> onBodyTouchable = touchableOf(body, faces);
         std::vector<std::int32_t> which;
         for (std::size_t f = 0; f < onBodyTouchable.size(); ++f)
             if (onBodyTouchable[f]) which.push_back(static_cast<std::int32_t>(f));
@@ -98,14 +100,14 @@ Eigen::MatrixXd patchTractions(const TouchPatches& patches, const TriangleMesh& 
         const auto& [of, share] = mesh.origin[static_cast<std::size_t>(v - own)];
         out.row(v) = share[0] * out.row(of[0]) + share[1] * out.row(of[1]) + share[2] * out.row(of[2]);
     }
-    const Eigen::VectorXd whole = integrals(mesh.mesh, held, out);
+    const Eigen::VectorXd whole = integrals(mesh.mesh, touchable, out);
     for (Eigen::Index p = 0; p < out.cols(); ++p) out.col(p) *= whole[p] > 0.0 ? 1.0 / whole[p] : 0.0;
     return out;
 }
 
 Eigen::MatrixXd patchResultants(const SolverMesh& mesh, const Eigen::MatrixXd& tractions, const Vec3& middle, double size) {
     Eigen::MatrixXd force = Eigen::MatrixXd::Zero(1, tractions.cols()), arm = Eigen::MatrixXd::Zero(3, tractions.cols());
-    eachTouchable(mesh.mesh, heldTriangles(mesh), [&](std::int32_t f, double area) {
+    eachTouchable(mesh.mesh, touchableOf(mesh), [&](std::int32_t f, double area) {
         std::array<Vec3, 3> x;
         Vec3 sum = Vec3::Zero();
         for (int c = 0; c < 3; ++c) sum += x[static_cast<std::size_t>(c)] = mesh.mesh.vertices.row(mesh.mesh.triangles(f, c)).transpose() - middle;
@@ -130,7 +132,7 @@ Eigen::MatrixXd patchCompliance(const SolverMesh& mesh, const Eigen::MatrixXd& t
     // Integrals of tractions times the hat of a vertex, and times the bubble of an edge.
     Eigen::MatrixXd hats = Eigen::MatrixXd::Zero(tractions.rows(), patches),
                     bubbles = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(mesh.bubbles.size()), patches);
-    eachTouchable(mesh.mesh, heldTriangles(mesh), [&](std::int32_t f, double area) {
+    eachTouchable(mesh.mesh, touchableOf(mesh), [&](std::int32_t f, double area) {
         std::array<std::int32_t, 3> v{mesh.mesh.triangles(f, 0), mesh.mesh.triangles(f, 1), mesh.mesh.triangles(f, 2)};
         const Eigen::RowVectorXd sum = tractions.row(v[0]) + tractions.row(v[1]) + tractions.row(v[2]);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -169,14 +171,14 @@ Result<void> finishTouch(const TriangleMesh& body, std::span<const JointFace> fa
     // Gradients at the vertices: means of the triangles around, weighted by area, as those of slivers are inaccurate.
     const TouchPatches& patches = response.patches;
     const Eigen::Index count = patches.count(), vertices = body.vertices.rows();
-    const std::vector<std::int32_t> held = heldTriangles(faces);
+    const std::vector<char> touchable = touchableOf(body, faces);
     const Eigen::MatrixXd weights = patches.dense();
-    const Eigen::VectorXd whole = integrals(body, held, weights);
+    const Eigen::VectorXd whole = integrals(body, touchable, weights);
     std::vector<Eigen::Index> row(static_cast<std::size_t>(vertices), -1);
     for (std::size_t i = 0; i < free.size(); ++i) row[static_cast<std::size_t>(free[i])] = 3 * static_cast<Eigen::Index>(i);
     std::vector<std::pair<std::int32_t, TriangleFrame>> frames;
     Eigen::VectorXd around = Eigen::VectorXd::Zero(vertices);
-    eachTouchable(body, held, [&](std::int32_t f, double) {
+    eachTouchable(body, touchable, [&](std::int32_t f, double) {
         const TriangleFrame frame = triangleFrame(body, f);
         if (!(frame.area > 0.0)) return;
         frames.emplace_back(f, frame);

@@ -7,12 +7,12 @@
 #include "core/accuracy/plot.h"
 #include "core/accuracy/study_json.h"
 #include "core/base/atomic_file.h"
-#include "core/commands/session_access.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/document/take.h"
 #include "core/live/performance.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

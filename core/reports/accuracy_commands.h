@@ -5,7 +5,7 @@
 
 #include "core/accuracy/pose_error.h"
 #include "core/accuracy/study.h"
-#include "core/commands/session.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

@@ -9,12 +9,12 @@
 #include "core/base/atomic_file.h"
 #include "core/base/formatted.h"
 #include "core/base/parallel.h"
-#include "core/commands/session_access.h"
 #include "core/comparison/model_table.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

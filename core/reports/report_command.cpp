@@ -12,7 +12,6 @@
 #include "core/base/formatted.h"
 #include "core/base/parallel.h"
 #include "core/character/standard_poses.h"
-#include "core/commands/session_access.h"
 #include "core/comparison/paper_caterpillar.h"
 #include "core/comparison/skin.h"
 #include "core/comparison/timing.h"
@@ -22,6 +21,7 @@
 #include "core/mesh/bounds.h"
 #include "core/reports/accuracy_commands.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

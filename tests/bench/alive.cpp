@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
+#include "core/session/session.h"
 #include "tests/support/plain_sample.h"
 
 using namespace imomushi;

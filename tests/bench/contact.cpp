@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/effects/contact_job.h"
+#include "core/session/session.h"
 #include "tests/character/caterpillar.h"
 #include "tests/support/plain_sample.h"
 

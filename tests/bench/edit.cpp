@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/document/character_input.h"
+#include "core/session/session.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/io/import.h"
+#include "core/session/session.h"
 #include "tests/support/shapes.h"
 
 using namespace imomushi;

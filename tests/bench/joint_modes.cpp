@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/document/command_support.h"
 #include "core/effects/smooth_joints_job.h"
 #include "core/joints/seam.h"
 #include "core/mesh/topology.h"
+#include "core/session/session.h"
 #include "tests/character/full_joints.h"
 #include "tests/support/plain_sample.h"
 

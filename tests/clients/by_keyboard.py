@@ -54,9 +54,9 @@ def until(what, condition):
 
 
 BUTTONS = {Role.PUSH_BUTTON}
-FIELDS = {Role.TEXT, Role.ENTRY}
+FIELDS = {Role.TEXT, Role.ENTRY, Role.SPIN_BUTTON}
 # What nothing is looked for in.
-FLAT = {Role.MENU_BAR, Role.TOOL_BAR, Role.STATUS_BAR, Role.PAGE_TAB_LIST, Role.LIST, Role.TREE, Role.TREE_TABLE, Role.TABLE, Role.TEXT, Role.LABEL, Role.PUSH_BUTTON, Role.CHECK_BOX, Role.COMBO_BOX}
+FLAT = {Role.MENU_BAR, Role.TOOL_BAR, Role.STATUS_BAR, Role.PAGE_TAB_LIST, Role.LIST, Role.TREE, Role.TREE_TABLE, Role.TABLE, Role.TEXT, Role.SPIN_BUTTON, Role.LABEL, Role.PUSH_BUTTON, Role.CHECK_BOX, Role.COMBO_BOX}
 
 
 def name_of(widget):

@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "core/commands/session.h"
 #include "core/document/kept_pose.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

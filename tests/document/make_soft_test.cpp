@@ -4,8 +4,8 @@
 #include <set>
 #include <thread>
 
-#include "core/commands/prepared_step.h"
 #include "core/commands/proposal_commands.h"
+#include "core/session/prepared_step.h"
 #include "tests/document/workbench.h"
 #include "tests/support/capsules.h"
 #include "tests/support/random_edits.h"

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/project/project_file.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session.h"
 #include "tests/support/folder.h"
 #include "tests/support/shapes.h"
 #include "tests/support/thorough.h"

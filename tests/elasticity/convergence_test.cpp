@@ -109,7 +109,7 @@ double pointForceError(int cells, bool quadratic, int& nodes) {
     cube.ends.clear();
     SolverMesh mesh = solverMeshOf(cube);
     if (quadratic) mesh.bubbles = freeEdges(mesh);
-    const BoundaryEquation equation(mesh.mesh, {}, mesh.bubbles, exact.nu);
+    const BoundaryEquation equation(mesh.mesh, EdgeTable(mesh.mesh.triangles), {}, mesh.bubbles, exact.nu);
     nodes = equation.nodes();
     const double size = (cube.mesh.vertices.colwise().maxCoeff() - cube.mesh.vertices.colwise().minCoeff()).norm();
     const Vec3 middle = 0.5 * (cube.mesh.vertices.colwise().maxCoeff() + cube.mesh.vertices.colwise().minCoeff()).transpose();

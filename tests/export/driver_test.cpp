@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 #include "tests/document/workbench.h"
 #include "tests/export/read_glb.h"
 #include "tests/support/left_out.h"

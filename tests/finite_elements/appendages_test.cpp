@@ -29,7 +29,7 @@ TEST_CASE("element with horns: the default moves them as second-order finite ele
     input.mesh = mesh;
     for (const double end : {0.0, 3.0})
         input.faces.push_back(jointFaceByVertices(mesh->body, shapes::patchWhere(mesh->body, [&](const Vec3& x) { return std::abs(x.z() - end) < 1e-9; }).vertices).value());
-    REQUIRE(withoutAppendages(mesh->body, input.faces, {})->appendages.size() == 2);
+    REQUIRE(withoutAppendages(*mesh, input.faces, {})->appendages.size() == 2);
     const auto response = buildResponse(input, {});
     REQUIRE(response);
 

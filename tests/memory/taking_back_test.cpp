@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/commands/prepared_step.h"
 #include "core/document/document_change.h"
+#include "core/session/prepared_step.h"
 #include "tests/document/workbench.h"
 #include "tests/memory/ways.h"
 #include "tests/support/left_out.h"

@@ -49,7 +49,7 @@ bool atHigh(const Vec3& x) { return x.z() > 3.0 - 1e-9; }
 Body barWith(const Voxels& more) { return bodyOf(kBar + more, {atLow, atHigh}); }
 
 TrimmedBody trim(const Body& body) {
-    auto out = withoutAppendages(body.mesh, body.faces, {});
+    auto out = withoutAppendages({body.mesh, {}}, body.faces, {});
     REQUIRE(out);
     return std::move(*out);
 }
@@ -206,7 +206,7 @@ TEST_CASE("appendages: finding them is cancelled") {
     const Body body = barWith(kHorn);
     std::stop_source stop;
     stop.request_stop();
-    const auto trimmed = withoutAppendages(body.mesh, body.faces, Progress({}, stop.get_token()));
+    const auto trimmed = withoutAppendages({body.mesh, {}}, body.faces, Progress({}, stop.get_token()));
     REQUIRE(!trimmed);
     CHECK(trimmed.error().code == "cancelled");
 }

@@ -22,11 +22,11 @@
 #include "core/character/character.h"
 #include "core/character/welded_surface.h"
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
 #include "core/document/material_preset.h"
 #include "core/mesh/cgal/intersections.h"
 #include "core/mesh/topology.h"
 #include "core/reports/report_commands.h"
+#include "core/session/session.h"
 #include "tests/support/folder.h"
 #include "tests/support/plain_sample.h"
 

@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "core/commands/core_commands.h"
-#include "core/commands/session.h"
+#include "core/session/session.h"
 #include "tests/document/workbench.h"
 #include "tests/render/picture.h"
 #include "tests/support/folder.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 #include "tests/support/hard_cases.h"
 
 namespace imomushi {

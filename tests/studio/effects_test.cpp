@@ -3,7 +3,7 @@
 #include <QMenu>
 #include <QSignalSpy>
 
-#include "core/commands/pose_check.h"
+#include "core/live/pose_check.h"
 #include "tests/studio/window.h"
 #include "tests/support/plain_sample.h"
 #include "ui/models/effect_texts.h"

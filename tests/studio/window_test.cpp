@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <QAbstractButton>
+#include <QAccessible>
 #include <QDockWidget>
 #include <QLabel>
+#include <QLineEdit>
 #include <QMenuBar>
 #include <QSettings>
 #include <QToolBar>
+#include <QWheelEvent>
 #include <map>
 #include <new>
+#include <numbers>
 #include <stdexcept>
 
 #include "core/commands/core_commands.h"
@@ -212,8 +216,50 @@ TEST_CASE("number field: typing, dragging, taking back and resetting") {
     CHECK(edits.size() == many);  // not a number: as it was
     CHECK(field.value() == 10.0);
     field.clearFocus();
+
+    // The mouse is over the text, which is a widget of its own.
+    auto* line = field.findChild<QLineEdit*>();
+    QTest::mousePress(line, Qt::LeftButton, {}, QPoint(50, 10));
+    QTest::mouseMove(line, QPoint(40, 10));
+    QTest::mouseMove(line, QPoint(30, 10));
+    CHECK(!field.hasFocus());
+    QTest::mouseRelease(line, Qt::LeftButton, {}, QPoint(30, 10));
+    CHECK(edits.back() == doctest::Approx(8.0));
+    QTest::mouseClick(line, Qt::LeftButton, {}, QPoint(50, 10));
+    CHECK(field.hasFocus());
+    QTest::keyClick(&field, Qt::Key_Down, Qt::ControlModifier);
+    CHECK(edits.back() == doctest::Approx(7.0));
+    QTest::keyClick(&field, Qt::Key_Escape);
+    CHECK(field.text() == QStringLiteral("7\u2009m"));
+
+    QWheelEvent wheel(QPointF(50, 10), field.mapToGlobal(QPointF(50, 10)), {}, QPoint(0, 120), Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false);
+    QApplication::sendEvent(&field, &wheel);
+    CHECK(field.value() == doctest::Approx(7.0));  // it scrolls what is around
+
     field.setValue({});
     CHECK(field.text().isEmpty());
+}
+
+TEST_CASE("number field: screen readers hear a number with its range and step, and set it") {
+    NumberField field({QStringLiteral("°"), 0.0, std::numbers::pi, 1.0, 1, 180.0 / std::numbers::pi, 0.0});
+    int ended = 0;
+    QObject::connect(&field, &NumberField::editEnded, [&](bool keep) { ended += keep; });
+    field.setValue(0.5 * std::numbers::pi);
+    auto* access = QAccessible::queryAccessibleInterface(&field);
+    REQUIRE(access);
+    CHECK(access->role() == QAccessible::SpinBox);
+    auto* number = access->valueInterface();
+    REQUIRE(number);
+    CHECK(number->currentValue().toDouble() == doctest::Approx(90.0));
+    CHECK(number->minimumValue().toDouble() == 0.0);
+    CHECK(number->maximumValue().toDouble() == doctest::Approx(180.0));
+    number->setCurrentValue(45.0);
+    CHECK(*field.value() == doctest::Approx(0.25 * std::numbers::pi));
+    CHECK(ended == 1);
+    field.stepBy(5);
+    CHECK(*field.value() == doctest::Approx(50.0 * std::numbers::pi / 180.0));
+    field.setValue({});
+    CHECK(!number->currentValue().isValid());
 }
 
 TEST_CASE("command search: the start of a word counts most, letters in order count least") {

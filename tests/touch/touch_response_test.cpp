@@ -112,9 +112,9 @@ TEST_CASE("touch patches: a bump on one side of a thin fin does not reach throug
 TEST_CASE("touch patches: there are no more than vertices carry, one at least on each part, none without joint faces") {
     const auto coarse = shapes::cylinder(0.5, 1.0, 6, 2);
     const auto input = inputOf(coarse.mesh, coarse.ends, 96);
-    CHECK(touchPatches(coarse.mesh, input.faces, 96).count() == 4);  // three rings of six vertices
-    CHECK(touchPatches(coarse.mesh, {}, 96).count() == 0);
-    CHECK(touchPatches(coarse.mesh, input.faces, 1).count() == 1);
+    CHECK(touchPatches({coarse.mesh, {}}, input.faces, 96).count() == 4);  // three rings of six vertices
+    CHECK(touchPatches({coarse.mesh, {}}, {}, 96).count() == 0);
+    CHECK(touchPatches({coarse.mesh, {}}, input.faces, 1).count() == 1);
     // A ring of a face cuts the surface of a bar in two.
     const auto bar = shapes::box(Vec3(0, 0, 0), Vec3(1, 1, 4), 2, 2, 8);
     const auto ring = shapes::patchWhere(
@@ -122,7 +122,7 @@ TEST_CASE("touch patches: there are no more than vertices carry, one at least on
     JointFace face;
     face.vertices = ring.vertices;
     face.triangles = ring.triangles;
-    CHECK(touchPatches(bar.mesh, std::vector{face}, 1).count() == 2);
+    CHECK(touchPatches({bar.mesh, {}}, std::vector{face}, 1).count() == 2);
 }
 
 TEST_CASE("touch response: the compliance is symmetric, positive, and was so before it was cleaned") {

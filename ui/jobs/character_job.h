@@ -6,8 +6,8 @@
 
 #include "core/body/body.h"
 #include "core/commands/proposal_commands.h"
-#include "core/commands/session.h"
 #include "core/io/character_file.h"
+#include "core/session/session.h"
 #include "ui/jobs/background_job.h"
 
 namespace imomushi {

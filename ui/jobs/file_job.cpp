@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/commands/prepared_step.h"
 #include "core/document/document_change.h"
+#include "core/session/prepared_step.h"
 
 namespace imomushi {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/commands/prepared_step.h"
+#include "core/session/prepared_step.h"
 #include "ui/jobs/background_job.h"
 #include "ui/models/studio_document.h"
 

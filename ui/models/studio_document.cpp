@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/commands/prepared_step.h"
 #include "core/document/document_change.h"
+#include "core/session/prepared_step.h"
 #include "ui/models/failures.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"

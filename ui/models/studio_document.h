@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

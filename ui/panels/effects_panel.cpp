@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/commands/pose_check.h"
 #include "core/document/effect_meetings.h"
+#include "core/live/pose_check.h"
 #include "ui/models/commands.h"
 #include "ui/models/effect_texts.h"
 #include "ui/models/texts.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 #include "ui/render/scene_renderer.h"
 #include "ui/scene/seen_mesh.h"
 

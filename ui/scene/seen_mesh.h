@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/commands/session.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

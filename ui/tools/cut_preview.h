@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/body/section.h"
-#include "core/commands/session.h"
 #include "core/joints/joint_face.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

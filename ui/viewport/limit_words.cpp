@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/viewport/limit_words.h"
 
-#include "core/commands/session.h"
 #include "core/document/bone_limits.h"
 #include "core/document/character_input.h"
+#include "core/session/session.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/commands/session_access.h"
 #include "core/document/kept_pose.h"
+#include "core/session/session_access.h"
 #include "ui/models/commands.h"
 #include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"

@@ -22,7 +22,6 @@
 #include "ui/tools/typed_number.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
-#include "ui/widgets/number_field.h"
 
 namespace imomushi {
 namespace {
@@ -276,7 +275,7 @@ void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
 void ViewportWidget::enterEvent(QEnterEvent* e) {
     QWidget::enterEvent(e);
     const QWidget* typing = QApplication::focusWidget();
-    const bool words = (qobject_cast<const QLineEdit*>(typing) && !qobject_cast<const NumberField*>(typing)) || qobject_cast<const QKeySequenceEdit*>(typing);
+    const bool words = qobject_cast<const QLineEdit*>(typing) || qobject_cast<const QKeySequenceEdit*>(typing);
     if (!words && isActiveWindow() && QApplication::mouseButtons() == Qt::NoButton && !QApplication::activePopupWidget()) setFocus(Qt::OtherFocusReason);
 }
 

@@ -3,6 +3,7 @@
 
 #include <QAction>
 #include <QKeyEvent>
+#include <QLineEdit>
 #include <QLocale>
 #include <QMouseEvent>
 #include <algorithm>
@@ -16,10 +17,12 @@ namespace {
 constexpr double kDragThreshold = 3.0;  // logical pixels: below this a press is a click
 }
 
-NumberField::NumberField(Spec spec, QWidget* parent) : QLineEdit(parent), spec_(std::move(spec)) {
-    setCursor(Qt::SizeHorCursor);
+NumberField::NumberField(Spec spec, QWidget* parent) : QAbstractSpinBox(parent), spec_(std::move(spec)) {
+    setButtonSymbols(NoButtons);
+    lineEdit()->installEventFilter(this);
+    lineEdit()->setCursor(Qt::SizeHorCursor);
     setFocusPolicy(Qt::TabFocus);  // a press may begin a drag; only a click takes the focus, see mouseReleaseEvent()
-    reset_ = addAction(themedIcon(QStringLiteral("reset"), Appearance::Role::Muted), QLineEdit::TrailingPosition);
+    reset_ = lineEdit()->addAction(themedIcon(QStringLiteral("reset"), Appearance::Role::Muted), QLineEdit::TrailingPosition);
     reset_->setToolTip(tr("Back to the default"));
     reset_->setVisible(false);
     connect(reset_, &QAction::triggered, this, [this] {
@@ -36,8 +39,8 @@ void NumberField::setValue(std::optional<double> value) {
 
 void NumberField::showText() {
     if (!value_) {
-        setText({});
-        setPlaceholderText(tr("different"));
+        lineEdit()->clear();
+        lineEdit()->setPlaceholderText(tr("different"));
         return;
     }
     const double grain = std::pow(10.0, -spec_.decimals);
@@ -48,9 +51,13 @@ void NumberField::showText() {
         if (text.endsWith(QLocale().decimalPoint())) text.chop(QLocale().decimalPoint().size());
     }
     if (!spec_.unit.isEmpty()) text += (spec_.unit == u"°" ? QString() : QStringLiteral("\u2009")) + spec_.unit;
-    setText(text);
-    setCursorPosition(0);
+    lineEdit()->setText(text);
+    lineEdit()->setCursorPosition(0);
 }
+
+// As wide as a line of text: a spin box is as wide as its largest number.
+QSize NumberField::sizeHint() const { return {lineEdit()->sizeHint().width(), QAbstractSpinBox::sizeHint().height()}; }
+QSize NumberField::minimumSizeHint() const { return {lineEdit()->minimumSizeHint().width(), QAbstractSpinBox::minimumSizeHint().height()}; }
 
 std::optional<double> NumberField::parse() const {
     QString plain = text();
@@ -80,28 +87,37 @@ void NumberField::once(double value) {
 void NumberField::commitText() {
     if (!typing_) return;
     typing_ = false;
-    if (const auto number = parse(); number && isModified()) once(*number);
+    if (const auto number = parse(); number && lineEdit()->isModified()) once(*number);
     showText();
-    setModified(false);
+    lineEdit()->setModified(false);
+}
+
+// The line takes the mouse while its text is edited; before that a press may begin a drag.
+bool NumberField::eventFilter(QObject* watched, QEvent* event) {
+    if (watched == lineEdit() && (pressed_ || !hasFocus()) && !isReadOnly()) {
+        auto* mouse = static_cast<QMouseEvent*>(event);
+        switch (event->type()) {
+            case QEvent::MouseButtonPress: mousePressEvent(mouse); return true;
+            case QEvent::MouseMove: mouseMoveEvent(mouse); return true;
+            case QEvent::MouseButtonRelease: mouseReleaseEvent(mouse); return true;
+            case QEvent::MouseButtonDblClick: mouseDoubleClickEvent(mouse); return true;
+            default: break;
+        }
+    }
+    return QAbstractSpinBox::eventFilter(watched, event);
 }
 
 void NumberField::mousePressEvent(QMouseEvent* event) {
-    if (event->button() != Qt::LeftButton || hasFocus() || isReadOnly()) {
-        QLineEdit::mousePressEvent(event);
-        return;
-    }
+    if (event->button() != Qt::LeftButton || hasFocus() || isReadOnly()) return event->ignore();
     pressed_ = true;
     dragging_ = false;
-    pressX_ = event->position().x();
+    pressX_ = event->globalPosition().x();
     dragValue_ = value_.value_or(spec_.standard.value_or(std::clamp(0.0, spec_.low, spec_.high)));
 }
 
 void NumberField::mouseMoveEvent(QMouseEvent* event) {
-    if (!pressed_) {
-        QLineEdit::mouseMoveEvent(event);
-        return;
-    }
-    const double x = event->position().x();
+    if (!pressed_) return event->ignore();
+    const double x = event->globalPosition().x();
     if (!dragging_) {
         if (std::abs(x - pressX_) < kDragThreshold) return;
         dragging_ = true;
@@ -117,10 +133,7 @@ void NumberField::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void NumberField::mouseReleaseEvent(QMouseEvent* event) {
-    if (!pressed_) {
-        QLineEdit::mouseReleaseEvent(event);
-        return;
-    }
+    if (!pressed_) return event->ignore();
     pressed_ = false;
     if (dragging_) return endDrag(true);
     setFocus(Qt::MouseFocusReason);
@@ -136,7 +149,7 @@ void NumberField::endDrag(bool keep) {
 // The button is let go elsewhere: what was reached stands.
 void NumberField::hideEvent(QHideEvent* event) {
     endDrag(true);
-    QLineEdit::hideEvent(event);
+    QAbstractSpinBox::hideEvent(event);
 }
 
 bool NumberField::event(QEvent* event) {
@@ -146,7 +159,7 @@ bool NumberField::event(QEvent* event) {
         return true;
     }
     if (event->type() == QEvent::WindowDeactivate) endDrag(true);
-    return QLineEdit::event(event);
+    return QAbstractSpinBox::event(event);
 }
 
 void NumberField::mouseDoubleClickEvent(QMouseEvent* event) {
@@ -171,35 +184,48 @@ void NumberField::keyPressEvent(QKeyEvent* event) {
             clearFocus();
             return;
         case Qt::Key_Up:
-        case Qt::Key_Down: {
-            const double by = (event->key() == Qt::Key_Up ? 1.0 : -1.0) * spec_.step * (event->modifiers() & Qt::ShiftModifier ? 0.1 : event->modifiers() & Qt::ControlModifier ? 10.0 : 1.0);
-            typing_ = false;
-            once(parse().value_or(value_.value_or(0.0)) + by / spec_.factor);
-            typing_ = true;
-            selectAll();
+        case Qt::Key_Down:
+            step((event->key() == Qt::Key_Up ? 1.0 : -1.0) * (event->modifiers() & Qt::ShiftModifier ? 0.1 : event->modifiers() & Qt::ControlModifier ? 10.0 : 1.0));
             return;
-        }
-        default: QLineEdit::keyPressEvent(event);
+        default: QAbstractSpinBox::keyPressEvent(event);
     }
 }
 
+void NumberField::stepBy(int steps) { step(steps); }
+
+void NumberField::step(double by) {
+    const double from = (typing_ ? parse() : value_).value_or(value_.value_or(0.0));
+    const bool typing = std::exchange(typing_, false);
+    once(from + by * spec_.step / spec_.factor);
+    typing_ = typing;
+    if (typing) selectAll();
+}
+
+void NumberField::setShownValue(const QVariant& value) {
+    bool ok = false;
+    if (const double number = value.toDouble(&ok); ok && std::isfinite(number) && !isReadOnly()) once(number / spec_.factor);
+}
+
+// A wheel scrolls the panel around; it changes no number in passing.
+void NumberField::wheelEvent(QWheelEvent* event) { event->ignore(); }
+
 void NumberField::focusInEvent(QFocusEvent* event) {
-    QLineEdit::focusInEvent(event);
+    QAbstractSpinBox::focusInEvent(event);
     typing_ = !isReadOnly();
-    setModified(false);
-    setCursor(Qt::IBeamCursor);
-    QMetaObject::invokeMethod(this, &QLineEdit::selectAll, Qt::QueuedConnection);
+    lineEdit()->setModified(false);
+    lineEdit()->setCursor(Qt::IBeamCursor);
+    QMetaObject::invokeMethod(this, &QAbstractSpinBox::selectAll, Qt::QueuedConnection);
 }
 
 void NumberField::focusOutEvent(QFocusEvent* event) {
-    QLineEdit::focusOutEvent(event);
+    QAbstractSpinBox::focusOutEvent(event);
     commitText();
-    setCursor(Qt::SizeHorCursor);
-    deselect();
+    lineEdit()->setCursor(Qt::SizeHorCursor);
+    lineEdit()->deselect();
 }
 
 void NumberField::changeEvent(QEvent* event) {
-    QLineEdit::changeEvent(event);
+    QAbstractSpinBox::changeEvent(event);
     if (event->type() == QEvent::LanguageChange) {
         reset_->setToolTip(tr("Back to the default"));
         setToolTip(tr("Drag sideways, or click and type"));

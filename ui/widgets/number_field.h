@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <QLineEdit>
+#include <QAbstractSpinBox>
+#include <QVariant>
 #include <optional>
 
 namespace imomushi {
 
 /// A number that is typed (click) or dragged (press and move sideways; Shift fine, Ctrl coarse, Esc takes back).
-class NumberField : public QLineEdit {
+class NumberField : public QAbstractSpinBox {
     Q_OBJECT
+    // What screen readers say and set (QAccessible asks for properties of these names), in the unit that is shown.
+    Q_PROPERTY(QVariant value READ shownValue WRITE setShownValue)
+    Q_PROPERTY(double minimum READ shownLow)
+    Q_PROPERTY(double maximum READ shownHigh)
+    Q_PROPERTY(double singleStep READ shownStep)
 public:
     struct Spec {
         QString unit;            ///< shown behind the number, may be empty
@@ -23,6 +29,9 @@ public:
     /// nullopt: several things with different values.
     void setValue(std::optional<double> value);
     [[nodiscard]] std::optional<double> value() const { return value_; }
+    void stepBy(int steps) override;
+    [[nodiscard]] QSize sizeHint() const override;
+    [[nodiscard]] QSize minimumSizeHint() const override;
 
 signals:
     void editStarted();
@@ -38,8 +47,11 @@ protected:
     void focusInEvent(QFocusEvent* event) override;
     void focusOutEvent(QFocusEvent* event) override;
     void changeEvent(QEvent* event) override;
+    void wheelEvent(QWheelEvent* event) override;
     void hideEvent(QHideEvent* event) override;
     bool event(QEvent* event) override;
+    bool eventFilter(QObject* watched, QEvent* event) override;
+    [[nodiscard]] StepEnabled stepEnabled() const override { return isReadOnly() ? StepNone : StepUpEnabled | StepDownEnabled; }
 
 private:
     void showText();
@@ -47,7 +59,13 @@ private:
     void endDrag(bool keep);
     void set(double value);
     void once(double value);
+    void step(double by);
     [[nodiscard]] std::optional<double> parse() const;
+    [[nodiscard]] QVariant shownValue() const { return value_ ? QVariant(*value_ * spec_.factor) : QVariant(); }
+    void setShownValue(const QVariant& value);
+    [[nodiscard]] double shownLow() const { return spec_.low * spec_.factor; }
+    [[nodiscard]] double shownHigh() const { return spec_.high * spec_.factor; }
+    [[nodiscard]] double shownStep() const { return spec_.step; }
 
     Spec spec_;
     std::optional<double> value_;

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "core/character/character.h"
-#include "core/commands/services.h"
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/document/document_history.h"
 #include "core/live/live_input.h"
 #include "core/project/document_responses.h"
 #include "core/project/project_versions.h"
+#include "core/session/services.h"
 
 namespace imomushi {
 

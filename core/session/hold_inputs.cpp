@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/commands/hold_inputs.h"
+#include "core/session/hold_inputs.h"
 
 #include <algorithm>
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/commands/session.h"
+#include "core/session/session.h"
 
 #include <algorithm>
 #include <cmath>
 #include <new>
 #include <utility>
 
-#include "core/commands/document_edit.h"
-#include "core/commands/hold_inputs.h"
-#include "core/commands/pose_check.h"
-#include "core/commands/prepared_step.h"
-#include "core/commands/session_access.h"
 #include "core/document/command_support.h"
 #include "core/live/performance.h"
 #include "core/live/performer.h"
+#include "core/live/pose_check.h"
 #include "core/project/project_file.h"
+#include "core/session/document_edit.h"
+#include "core/session/hold_inputs.h"
+#include "core/session/prepared_step.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

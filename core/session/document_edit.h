@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/document/character_input.h"
-#include "core/commands/services.h"
 #include "core/live/live_character.h"
 #include "core/project/document_responses.h"
+#include "core/session/services.h"
 
 namespace imomushi {
 

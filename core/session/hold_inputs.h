@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "core/commands/session.h"
 #include "core/live/live_input.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

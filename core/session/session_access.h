@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/commands/session.h"
 #include "core/live/live_character.h"
 #include "core/project/project_file.h"
+#include "core/session/session.h"
 
 namespace imomushi {
 

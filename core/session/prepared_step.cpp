@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/commands/prepared_step.h"
+#include "core/session/prepared_step.h"
 
 #include <cassert>
 #include <utility>
 
 #include "core/base/try.h"
-#include "core/commands/session_access.h"
 #include "core/document/document_change.h"
+#include "core/session/session_access.h"
 
 namespace imomushi {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/commands/services.h"
+#include "core/session/services.h"
 
-#include "core/commands/proposal_commands.h"
 #include "core/project/project_versions.h"
+#include "core/session/proposal_request.h"
 
 namespace imomushi {
 
