@@ -109,7 +109,7 @@ Result<Listening> listen(const Json& list, UdpPort::From from, const Document& d
             if (key != "protocol" && key != "port" && key != "device" && key != "name") return fail("unknown-key", "A source has no \"" + key + "\".");
         const Json* called = find(given, "protocol");
         const auto protocol = called && called->is_string() ? protocolNamed(called->get_ref<const std::string&>()) : std::nullopt;
-        if (!protocol) return fail("bad-value", "\"protocol\" of a source is \"osc\", \"vmc\", \"midi\" or \"pad\".");
+        if (!protocol) return fail("bad-value", "\"protocol\" of a source is \"osc\", \"vmc\", \"midi\", \"pad\" or \"keys\".");
         RawSource source{std::string(protocolName(*protocol)), *protocol};
         if (const Json* name = find(given, "name")) {
             if (!name->is_string() || name->get_ref<const std::string&>().empty() || !InputName::fits(name->get_ref<const std::string&>())) return fail("bad-value", "\"name\" of a source must be a short text.");

@@ -278,6 +278,13 @@
     <context>
         <name>imomushi::MainWindow</name>
         <message numerus="yes">
+            <source>%n mapping(s) made. Change them as you like.</source>
+            <translation>
+                <numerusform>%n mapping made. Change it as you like.</numerusform>
+                <numerusform>%n mappings made. Change them as you like.</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>%n mapping(s) loaded.</source>
             <translation>
                 <numerusform>%n mapping loaded.</numerusform>

@@ -479,6 +479,18 @@
             <source>Place a &amp;handle…</source>
             <translation>ハンドルを置く(&amp;H)…</translation>
         </message>
+        <message>
+            <source>Map the &amp;keyboard</source>
+            <translation>キーボードを対応づける(&amp;K)</translation>
+        </message>
+        <message>
+            <source>Map a game &amp;controller</source>
+            <translation>ゲームコントローラーを対応づける(&amp;C)</translation>
+        </message>
+        <message>
+            <source>Map a body and a face by &amp;VMC</source>
+            <translation>VMC で体と顔を対応づける(&amp;V)</translation>
+        </message>
     </context>
     <context>
         <name>EffectTexts</name>
@@ -1474,6 +1486,10 @@
             <source>What it hung on is not there: it is a point of its own.</source>
             <translation>つながっていた先がここにはないため、独立した点になりました。</translation>
         </message>
+        <message>
+            <source>There is nothing that could be driven so: the character needs bones whose ends are free, handles or shapes.</source>
+            <translation>このようには何も動かせません。端が自由なボーン、ハンドル、形のどれかが必要です。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -2013,6 +2029,10 @@
         <message>
             <source>Paste</source>
             <translation>貼り付け</translation>
+        </message>
+        <message>
+            <source>Suggest mappings</source>
+            <translation>対応づけの提案</translation>
         </message>
     </context>
     <context>
@@ -4111,6 +4131,10 @@
         <message>
             <source>End of a bone</source>
             <translation>ボーンの端</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n mapping(s) made. Change them as you like.</source>
+            <translation><numerusform>%n 個の対応づけを作りました。自由に変えられます。</numerusform></translation>
         </message>
     </context>
     <context>
@@ -6670,6 +6694,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Triggers</source>
             <translation>トリガー</translation>
         </message>
+        <message>
+            <source>Keyboard</source>
+            <translation>キーボード</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::LearnBar</name>
@@ -6791,8 +6819,12 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>つなぐ：まだ何も届いていません。何を待っているかは左にあります。</translation>
         </message>
         <message>
-            <source>Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port.</source>
-            <translation>つなぐ：ゲームコントローラーか MIDI 機器をつなぐか、左で送り手をオンにして、プログラムからそのポートへ送ってください。</translation>
+            <source>Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.</source>
+            <translation>つなぐ：ゲームコントローラーか MIDI 機器をつなぐか、左で送り手をオンにして、プログラムからそのポートへ送ってください。どれもなければ、学習を押してから、キーボードのキーを押します。</translation>
+        </message>
+        <message>
+            <source>Map a source to whatever the character has: limbs, poses, shapes</source>
+            <translation>送り手を、キャラクターが持つもの (手足、ポーズ、形) に対応づけます</translation>
         </message>
     </context>
     <context>
@@ -7086,6 +7118,14 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>a MIDI device</source>
             <translation>MIDI 機器</translation>
+        </message>
+        <message>
+            <source>Keys of rows move the character while this window is in front. They do nothing else then.</source>
+            <translation>このウィンドウが手前にある間、行のキーがキャラクターを動かします。そのキーは、ほかのことをしません。</translation>
+        </message>
+        <message>
+            <source>Ready. Keys are heard while you learn, and where rows name them.</source>
+            <translation>準備ができています。学習の間と、行が挙げているキーを聞きます。</translation>
         </message>
     </context>
 <context>

@@ -36,7 +36,7 @@ struct BodySetting {
     BodyKind how = BodyKind::Auto;
     double detail = 0.0;  ///< of a wrap: the radius of the ball that rolls over the surface, in diagonals of the render mesh, kFinestDetail...kCoarsestDetail;
                           ///< gaps narrower than its diameter are closed. 0: chosen from the gaps and limbs of the mesh, finer only where it needs to be
-    /// Of a mended body: the links of flesh that it gets, between the parts nearest to their ends, whatever their volume says; none: those that are found.
+    /// Of a mended body: the links of flesh to make, each between the parts nearest to its ends (FleshLink::volume is not read). Nullopt: links are found.
     std::optional<std::vector<FleshLink>> links = std::nullopt;
     bool operator==(const BodySetting&) const = default;
 };

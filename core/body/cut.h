@@ -53,7 +53,7 @@ struct CutRefusal : Error {
 };
 
 /// Applies all cuts together. Pieces ascend by their lowest vertex of the body; those without any come last. A piece's vertices are those of the body in its
-/// order, then those of its cuts; where these are all there are, one more in the middle of each part of a triangle that has more than three corners, so that some are free. Its bytes depend on its own cuts alone: other cuts may move, come and go without changing a bit.
+/// order, then those of its cuts. If it has vertices of cuts alone, each clipped polygon of more than three corners gets one in its middle, so that some vertices are free. Its bytes depend on its own cuts alone: other cuts may move, come and go without changing a bit.
 ///
 /// Caps are flat to 1e-10 of the body's size. Where the plane passes a vertex within kSnap, that vertex is slid onto it, along the surface, so that the volume
 /// stays as it is: the volumes of the pieces add up to the body's, up to rounding. It moves by at most 2.5 kSnap of its shortest edge. A tip of the

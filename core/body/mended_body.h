@@ -22,8 +22,12 @@ struct MendedSurface {
     std::vector<MeshIssue> issues;
 };
 
-/// A closed body of the closed surfaces of a prepared mesh: those that cross are united, those that do not touch are linked by tubes of flesh (planLinks()), those inside of
-/// others and those that the others carry left out; a surface inside another that faces the other way is a cavity and stays. Errors: "not-mendable" (what is open, or crosses itself, matters), "cancelled".
+/// A closed body of the closed surfaces of a prepared mesh:
+/// * surfaces that cross are united;
+/// * surfaces that do not touch are linked by tubes of flesh (planLinks());
+/// * a surface inside another one is left out, or, if it faces inward, is a cavity and stays;
+/// * surfaces that others carry are left out.
+/// Errors: "not-mendable" (what is open, or crosses itself, matters), "cancelled".
 /// `bones`: of the vertices of `surface`. `links`: as BodySetting has them. `carry`: whether parts without a motion of their own are left out for the others to carry.
 Result<MendedSurface> mendedBody(const PreparedSurface& surface, const BodyBones& bones, const std::optional<std::vector<FleshLink>>& links, bool carry, const Progress& progress);
 

@@ -8,8 +8,8 @@
 
 namespace imomushi {
 
-/// Moves vertices of a closed surface that touch its triangles elsewhere, or lie in them but for rounding, a little back to their own side: what encloses such a place has no clear inside,
-/// and no solver takes it. They move by at most twice kParted of their shortest edge. Vertices that were moved, ascending.
+/// Parts places where a closed surface touches itself, which no solver takes: vertices that lie on a triangle elsewhere, up to rounding, move a little back to their own side, by at
+/// most twice kParted of their shortest edge. Returns the vertices that moved, ascending.
 std::vector<std::int32_t> partTouching(TriangleMesh& mesh);
 inline constexpr double kParted = 1e-3;
 

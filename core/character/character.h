@@ -100,7 +100,7 @@ public:
     /// Inverse kinematics from `pose` towards `goals`, in place.
     InverseKinematics::Report solvePose(const std::vector<IkGoal>& goals, Pose& pose);
 
-    /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are (evaluated once more when that begins); those that
+    /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are, after one more evaluation in the first such frame; those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.
     void update(const Pose& pose, double seconds = 0.0);
     /// Repeats the last update() with another pose in the same frame: 0 s pass, and contact takes one step instead of converging. Times and warnings of stats() accumulate.

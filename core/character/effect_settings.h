@@ -21,8 +21,7 @@ struct Frame;
 class FrameJobs;
 struct ElementTables;
 
-/// What a character is asked to do beyond its pose: the numbers of one effect (the manual's effects) and the job that they become. Each effect derives its
-/// own in the header of its job, by EffectOf.
+/// The settings of one effect (the manual's effects), which make the effect's job of a frame. Each effect derives its own in the header of its job, by EffectOf.
 struct EffectSettings {
     std::vector<char> elements;  ///< per element of the character, 0: it does not act there; empty: it acts on all
     bool automatic = false;      ///< only where and while a pose calls for it, as far as it does (PoseWatch); effects that know how

@@ -51,7 +51,7 @@ struct JointState {
     Vec3 at = Vec3::Zero();                                    // where restPlace is, m, world
     double stretch = 1.0;                                      // in its plane
     double pull = 0.0;                                         // what it follows from, relative
-    double warpPart = 1.0;                                     // where it is warped: of ElementState::warpPart the largest around it
+    double warpPart = 1.0;                                     // the largest ElementState::warpPart of its elements
     // Stage::JointMaps; Stage::Equilibrium
     AffineMap map;
     Eigen::Matrix3Xd warping;  // with smooth joints: world, per scalar shape

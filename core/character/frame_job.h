@@ -93,7 +93,7 @@ public:
     virtual void run(Stage stage, Frame& frame) = 0;
     /// New numbers that are valid (EffectSettings::validate()), perhaps of another effect.
     virtual void tune(const EffectSettings&) {}
-    /// It changes nothing by itself: the next frame of the same pose is the same.
+    /// True: the next frame of the same pose would be the same, so that steps may stop.
     [[nodiscard]] virtual bool resting(const Frame&) const { return true; }
     /// Bytes that a frame reads and writes for it, beyond the tables of elements.
     [[nodiscard]] virtual std::size_t bytes() const { return 0; }

@@ -8,7 +8,8 @@
 
 namespace imomushi {
 
-/// After a frame: flesh that met in it is computed, so that it presses from the next one on. `known`: elements that had met before, then all. Adds the names of new ones to `met`.
+/// Computes the patches of elements whose flesh met in the last frame, so that they press from the next one on. `known`: the elements that had met before; afterwards with the new ones, whose
+/// names are added to `met`.
 /// Errors: those of DocumentResponses::compute().
 Result<void> pressWhatMet(SessionAccess& access, std::set<PartId>& known, Json& met, const Progress& progress);
 

@@ -45,8 +45,8 @@ struct MadeCuts {
     std::vector<Refused> refused;              ///< those that were left out
 };
 
-/// Cuts the body of a character by all planes together. Of the pieces of an element the one that lies behind all its new cuts goes on as the element; each other one becomes a new
-/// element. Bones that lie wholly in one run through that one from then on. `element`: the one that is meant; 0: whichever the planes cut. `leaveOut`: a cut that is refused is
+/// Cuts the body of a character by all planes together. The piece of an element that lies behind all its new cuts keeps the element's id; each other piece becomes a new
+/// element. A bone that lies wholly in one piece belongs to that piece. `element`: the one that is meant; 0: whichever the planes cut. `leaveOut`: a cut that is refused is
 /// left out where others can be made. More errors: "other-element" (the section nearest to an origin belongs to another element than `element`).
 Result<MadeCuts> addCuts(Document& document, PartId character, PartId element, std::vector<NewCut> cuts, bool leaveOut, const Progress& progress);
 

@@ -29,7 +29,7 @@ struct DocumentChange {
     std::optional<std::shared_ptr<const InputMappings>> mappings;
     std::optional<std::shared_ptr<const KeptPoses>> poses;
     std::optional<Pose> pose;
-    bool unknown = false;  ///< memory ran out while it was made, for who is told of it: anything may differ
+    bool unknown = false;  ///< memory ran out while documents were compared: listeners must take it that anything differs
 
     /// Some part of this kind differs, or may: has(&DocumentChange::elements).
     template <class Parts>

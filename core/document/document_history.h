@@ -40,7 +40,7 @@ public:
     /// What passes with time is no step: the pose, glides, and flesh that meets.
     Document& passing() { return document_; }
 
-    /// A weight, or the numbers of effects, that was changed last goes on changing as time passes: undo of that change leads back to what it was before, whether it was another one or not.
+    /// Live input changes this value from now on without steps of its own. The present value becomes part of the latest step (or of the open gesture), so that undo of that step restores it.
     void passesOn(const MorphRef& morph);
     void effectsPassOn();
 
@@ -60,7 +60,7 @@ public:
     void beginGesture();
     /// False: nothing was committed, so there is no step. `named`: the step is called so instead.
     bool endGesture(Step named = {});
-    /// The document is again what it was at beginGesture(), but for ids that were given out. What it was until now. Only in a gesture; takes no memory.
+    /// Restores the document of beginGesture(); ids that were given out stay used. Returns the document as it was before the call. Only in a gesture; takes no memory.
     Document cancelGesture() noexcept;
     [[nodiscard]] bool inGesture() const { return gesture_.has_value(); }
 
@@ -79,7 +79,7 @@ public:
     void noteFrame(double seconds);
     /// What a hand or a device gave before the frame that is noted next: an input of the command "step", without its frame. Only where there is a script.
     void noteInput(Json input);
-    /// There is no script from here on (hasScript()): there was no memory to note what passed.
+    /// Drops the script (hasScript() becomes false): there was no memory for its next line.
     void forgetScript() noexcept;
     void flushFrames();
     /// The commands that make this document again, oldest first. What was undone is left out, and frames that no take depends on. Where there is one: see hasScript().

@@ -35,7 +35,7 @@ struct MappedTarget {
     int value = 0;       ///< in Effect::values
     std::size_t pose = 0;  ///< of keptPoses()
     PartId take = 0;
-    /// It happens when its control says more than the middle of what it becomes (the row's "out"), and does not stay.
+    /// A trigger: it fires when the mapped value rises through the middle of "out", and has no value that lasts.
     [[nodiscard]] bool isTrigger() const { return kind == Kind::PlayTake || kind == Kind::StopTake || kind == Kind::LetGo; }
 };
 
@@ -50,9 +50,9 @@ Json mappingsJson(const InputMappings& mappings);
 /// Errors: those of mappingFrom(), "too-many-mappings".
 Result<InputMappings> mappingsFrom(const Json& list);
 
-/// Puts a row at a place of a table, in the stead of the same line where there is one; without a place it stays there, or goes to the end. Errors: "too-many-mappings".
+/// Inserts a row at an index of a table, or replaces the same line. Without an index a line that is there keeps its index, a new one goes to the end. Returns the index. Errors: "too-many-mappings".
 Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, std::optional<std::size_t> place = std::nullopt);
-/// Makes this the table of the document, which keeps its own where they are alike.
+/// Sets the table of the document; does nothing if it is equal.
 void setMappings(Document& document, InputMappings mappings);
 /// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character), "pose", "take".
 void renameMapped(Document& document, std::string_view kind, std::string_view from, std::string_view to);

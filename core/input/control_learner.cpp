@@ -59,13 +59,16 @@ void ControlLearner::hear(const InputValue& value) {
 std::optional<ControlLearner::Found> ControlLearner::found(std::int64_t nanoseconds) const {
     std::optional<Found> best;
     double farthest = kTremble;
+    std::size_t numbersOfBest = 0;
     for (const auto& [name, numbers] : channels_)
         for (const auto& [component, number] : numbers) {
             double low = number.low, high = number.high;
             if (low == high && number.first - *began_ > kStreams) low = std::min(0.0, low), high = std::max(0.0, high);
             const double way = (high - low) / std::max({1.0, std::abs(low), std::abs(high)});
-            if (way <= farthest) continue;
+            // Of two that moved alike the one with fewer numbers is meant: a key, not the stick that it is part of.
+            if (way < farthest || (way == farthest && (!best || numbers.size() >= numbersOfBest))) continue;
             farthest = way;
+            numbersOfBest = numbers.size();
             const auto [from, to] = usualRange(low, high);
             best = Found{name.first, name.second, component, from, to, number.now, way >= kMeant && nanoseconds - number.grown >= kStill};
         }

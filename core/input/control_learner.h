@@ -20,7 +20,7 @@ public:
     struct Found {
         std::string source, channel;
         int component = 0;
-        double low = 0.0, high = 0.0;  ///< where it was, made a range that controls usually have where most of that was seen: low < high
+        double low = 0.0, high = 0.0;  ///< the range that was seen, widened to a usual one (0...1, -1...1) if most of that was seen: low < high
         double now = 0.0;
         bool settled = false;          ///< it went a long way, and its range has not grown for a while
         bool operator==(const Found&) const = default;

@@ -13,5 +13,6 @@ std::unique_ptr<InputDecoder> makeOscDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makeVmcDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makeMidiDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makePadDecoder(std::string_view source);
+std::unique_ptr<InputDecoder> makeKeyDecoder(std::string_view source);
 
 }  // namespace imomushi

@@ -2,6 +2,7 @@
 #include "core/input/devices.h"
 
 #include "core/base/try.h"
+#include "core/input/key_port.h"
 #include "core/input/midi_port.h"
 #include "core/input/pad_port.h"
 
@@ -23,6 +24,10 @@ Result<std::unique_ptr<InputPort>> openDevice(InputProtocol protocol, std::strin
     if (protocol == InputProtocol::Midi) {
         IMOMUSHI_TRY(auto midi, MidiSystem::ofThisMachine());
         return std::unique_ptr<InputPort>(std::make_unique<MidiPort>(std::move(midi), wanted));
+    }
+    if (protocol == InputProtocol::Keys) {
+        IMOMUSHI_TRY(auto keys, KeyPort::open());
+        return std::unique_ptr<InputPort>(std::move(keys));
     }
     IMOMUSHI_TRY(auto pad, PadPort::open(wanted));
     return std::unique_ptr<InputPort>(std::move(pad));

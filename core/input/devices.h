@@ -20,10 +20,10 @@ struct PluggedDevice {
     std::string name;    ///< for people
     bool operator==(const PluggedDevice&) const = default;
 };
-/// In the order of the system. None is opened. Where devices cannot be had at all, none.
+/// In the order of the system. None is opened. Where devices cannot be had at all, none. The keyboard is not asked for: it is there wherever somebody has a KeyBoard.
 std::vector<PluggedDevice> pluggedDevices(InputProtocol protocol);
 
-/// The same name of one that may not be there; nothing wanted: empty.
+/// PluggedDevice::name of a wanted device, whether it is there or not; empty if `wanted` is empty.
 std::string deviceName(InputProtocol protocol, std::string_view wanted);
 
 /// Waits for a device and hears it while it is plugged in; that it is missing is no error. `wanted`: PluggedDevice::device, or the name alone; empty: the first one that no other port has.

@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kProtocols = {"osc", "vmc", "midi", "pad"};
+constexpr std::array<std::string_view, kInputProtocols> kProtocols = {"osc", "vmc", "midi", "pad", "keys"};
 
 }  // namespace
 
@@ -62,6 +62,7 @@ std::unique_ptr<InputDecoder> makeInputDecoder(InputProtocol protocol, std::stri
         case InputProtocol::Vmc: return makeVmcDecoder(source);
         case InputProtocol::Midi: return makeMidiDecoder(source);
         case InputProtocol::Pad: return makePadDecoder(source);
+        case InputProtocol::Keys: return makeKeyDecoder(source);
     }
     return nullptr;
 }

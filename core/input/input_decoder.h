@@ -13,10 +13,11 @@
 namespace imomushi {
 
 /// What the bytes of a source are.
-enum class InputProtocol : std::uint8_t { Osc, Vmc, Midi, Pad };
-/// It is spoken by devices that are plugged in, not by programs that send to a port.
-inline bool isOfDevices(InputProtocol protocol) { return protocol == InputProtocol::Midi || protocol == InputProtocol::Pad; }
-std::string_view protocolName(InputProtocol protocol);                      ///< "osc", "vmc", "midi", "pad"
+enum class InputProtocol : std::uint8_t { Osc, Vmc, Midi, Pad, Keys };
+inline constexpr std::size_t kInputProtocols = 5;
+/// It is spoken by devices, not by programs that send to a port.
+inline bool isOfDevices(InputProtocol protocol) { return protocol == InputProtocol::Midi || protocol == InputProtocol::Pad || protocol == InputProtocol::Keys; }
+std::string_view protocolName(InputProtocol protocol);                      ///< "osc", "vmc", "midi", "pad", "keys"
 std::optional<InputProtocol> protocolNamed(std::string_view name);
 
 /// Turns the packets of one source into values. It trusts nothing: a packet that is broken anywhere changes nothing and is counted.
@@ -36,7 +37,7 @@ public:
 protected:
     /// Fills `values_` by add(), and ignored_. False: the packet is malformed.
     virtual bool read(std::span<const std::byte> packet) = 0;
-    /// What read() remembers counts from here on.
+    /// Keeps the state that read() has prepared: the packet was valid.
     virtual void accept() {}
     /// False: it is too long, has numbers that are not finite or too large, or the packet has too many.
     bool add(std::string_view channel, std::span<const double> numbers);
@@ -55,6 +56,7 @@ private:
 /// * "vmc": the VMC protocol, see vmc_decoder.cpp.
 /// * "midi": whole or divided messages with running status, see midi_decoder.cpp.
 /// * "pad": what this program notes of game controllers, see pad_decoder.cpp.
+/// * "keys": the keyboard, see key_decoder.cpp.
 std::unique_ptr<InputDecoder> makeInputDecoder(InputProtocol protocol, std::string_view source);
 
 }  // namespace imomushi

@@ -25,7 +25,7 @@ public:
 
     explicit InputListener(std::vector<std::unique_ptr<InputPort>> ports) : ports_(std::move(ports)), left_(ports_.size()), tooLong_(ports_.size()) {}
 
-    /// Hands on what comes until a time, or until `over`, which is asked now and then: the place of the port, nanoseconds since `start`, and the bytes.
+    /// Receives packets until the time `until`, or until `over`, which is polled, returns true. Calls take(index of the port, nanoseconds since `start`, bytes).
     void hear(Clock::time_point start, Clock::time_point until, const std::function<bool()>& over, const std::function<void(std::size_t, std::int64_t, std::span<const std::byte>)>& take);
     /// For whoever sent what a port took last: sends messages, but not twice within a second, and to programs of this machine alone. `messages` is asked where they are sent.
     void answerList(std::size_t port, const std::function<std::vector<std::string>()>& messages);

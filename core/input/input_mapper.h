@@ -24,7 +24,7 @@ struct InputRow {
     enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
     double after = 0.0;         ///< s; 0: it is silent only where its device is plugged out (a stick that is not moved says nothing)
     bool muted = false;
-    /// A press, when the control passes the middle of its range upwards, puts it at the end of the range, the next one at the beginning again: a button that switches.
+    /// A button that switches: each time the control rises through the middle of its range, its value goes to the other end of the range.
     bool toggles = false;
     bool operator==(const InputRow&) const = default;
 };
@@ -40,7 +40,7 @@ struct InputMeter {
     bool operator==(const InputMeter&) const = default;
 };
 
-/// What a control says becomes what a slot is: the job of each step of a performance. A slot is one number that is driven, such as the height of a handle (m, from rest) or the weight of
+/// Maps values of controls to values of slots, once per step of a performance. A slot is one number that is driven, such as the height of a handle (m, from rest) or the weight of
 /// a morph target. Of several rows of one slot the first one wins that has heard something and is neither muted nor silent. Where another row wins, or one comes back from silence, the slot
 /// glides there from what it shows, so that nothing jumps. take(), step() and what is asked neither allocate, lock nor fail; an answer depends on values and steps alone.
 class InputMapper {

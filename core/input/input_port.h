@@ -15,7 +15,7 @@ namespace imomushi {
 class InputPort {
 public:
     virtual ~InputPort() = default;
-    /// The next packet, in `room`, and how long it is: longer than `room`, then it was cut. None waits: none.
+    /// Copies the next packet to `room`. Returns its whole length; if that is more than room.size(), the packet was cut. Nullopt: no packet waits.
     virtual std::optional<std::size_t> take(std::span<std::byte> room) = 0;
     /// Whoever sent what was taken last, told apart from others. A device is one alone.
     [[nodiscard]] virtual std::uint64_t sender() const { return 0; }
@@ -23,7 +23,7 @@ public:
     virtual bool answer(std::span<const std::byte>) { return false; }
     /// Name of the device that is heard now; empty: none is plugged in, or this is none.
     [[nodiscard]] virtual std::string device() const { return {}; }
-    /// A file that is readable when a packet waits; -1: there is none, take() must be asked again and again.
+    /// A file descriptor that is readable while a packet waits; -1: there is none, take() must be polled.
     [[nodiscard]] virtual int descriptor() const { return -1; }
 
     /// Ports without a descriptor are asked so often.

@@ -9,10 +9,10 @@
 
 namespace imomushi {
 
-/// Rows that let something happen, once each time when their control passes the middle of what it becomes. An answer depends on values alone. take() neither allocates, locks nor fails.
+/// Rows of triggers: each fires once when the output of its curve rises through the middle of its output range. An answer depends on values alone. take() neither allocates, locks nor fails.
 class InputTriggers {
 public:
-    /// A control that went up must come back by this part of its way before it can happen again: what trembles happens once.
+    /// Hysteresis: the output must fall by this part of its range before its row fires again.
     static constexpr double kBack = 0.1;
 
     InputTriggers() = default;

@@ -11,8 +11,8 @@
 
 namespace imomushi {
 
-/// A game controller that is waited for, and heard while it is plugged in: its packets are records of PadPacket. Game controllers are SDL's, which is asked for them whenever a port is asked, and
-/// for nothing else; it runs while there is a port.
+/// A game controller that is waited for, and heard while it is plugged in: its packets are records of PadPacket. SDL reads it. SDL's game controllers are initialised while there is a port, and
+/// polled by take(); nothing else of SDL is used.
 class PadPort final : public InputPort {
 public:
     /// See openDevice(). Errors: "no-devices".

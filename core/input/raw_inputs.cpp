@@ -74,7 +74,7 @@ Result<RawInputs> RawInputs::read(const std::filesystem::path& path) {
         const std::size_t protocol = in.number(1), length = in.number(1);
         const auto text = in.take(length);
         const std::string_view called(reinterpret_cast<const char*>(text.data()), text.size());
-        if (!in.ok || protocol > static_cast<std::size_t>(InputProtocol::Pad) || called.empty() || !InputName::fits(called) || !isUtf8(called)) return refuse("a source is broken");
+        if (!in.ok || protocol >= kInputProtocols || called.empty() || !InputName::fits(called) || !isUtf8(called)) return refuse("a source is broken");
         made.sources.push_back({std::string(called), static_cast<InputProtocol>(protocol)});
     }
     while (!in.left.empty()) {

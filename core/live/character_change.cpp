@@ -34,16 +34,16 @@ bool changesCharacter(const DocumentChange& change, const Document& after) {
     });
 }
 
-bool followSkeleton(Document& document, const CharacterPlan* was, const CharacterPlan& is) {
-    std::erase_if(document.goals, [&](const auto& held) { return is.pointIndex(held.first) < 0; });
-    std::erase_if(document.handleGoals, [&](const auto& held) { return is.handleIndex(held.first) < 0; });
-    if (was && sameSkeleton(was->input.skeleton, is.input.skeleton)) return false;
+bool followSkeleton(Document& document, const CharacterPlan* before, const CharacterPlan& after) {
+    std::erase_if(document.goals, [&](const auto& held) { return after.pointIndex(held.first) < 0; });
+    std::erase_if(document.handleGoals, [&](const auto& held) { return after.handleIndex(held.first) < 0; });
+    if (before && sameSkeleton(before->input.skeleton, after.input.skeleton)) return false;
     document.pose = {};
     bool pulled = false;
     for (auto& [end, held] : document.goals) {
-        const Vec3& now = is.input.skeleton.points[static_cast<std::size_t>(is.pointIndex(end))];
-        const int old = was ? was->pointIndex(end) : -1;
-        if (held.pinned && old >= 0 && held.target == was->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
+        const Vec3& now = after.input.skeleton.points[static_cast<std::size_t>(after.pointIndex(end))];
+        const int old = before ? before->pointIndex(end) : -1;
+        if (held.pinned && old >= 0 && held.target == before->input.skeleton.points[static_cast<std::size_t>(old)]) held.target = now;
         pulled = pulled || held.target != now || held.roll || held.rotation;
     }
     return pulled;

@@ -10,7 +10,7 @@ namespace imomushi {
 bool changesCharacter(const DocumentChange& change, const Document& after);
 
 /// Adapts targets and pose of a document after its joint points have changed: a new skeleton starts in its rest pose, pins at rest move to the new rest pose, and targets of endpoints
-/// that no longer exist are removed. `was`: null where the document before had no plan. Returns true if some target pulls away from the rest pose.
-bool followSkeleton(Document& document, const CharacterPlan* was, const CharacterPlan& is);
+/// that no longer exist are removed. `before`: null if the document had no plan. True: some target is not where the rest pose has it.
+bool followSkeleton(Document& document, const CharacterPlan* before, const CharacterPlan& after);
 
 }  // namespace imomushi

@@ -52,13 +52,13 @@ public:
     [[nodiscard]] bool hears() const { return !sources_.empty(); }
     [[nodiscard]] std::optional<Heard> heard(const std::string& source) const;
 
-    /// Where values go, null: nowhere; what controls said last is given at once, as a fader that stands still says nothing. `names`: nameMessages(), for whoever asks.
+    /// Sets the feed; null: none. The last value of each channel is given to it at once, as a fader that stands still sends nothing. `names`: the answer to InputListener::kListAddress.
     void feed(std::shared_ptr<InputFeed> feed, std::vector<std::string> names);
     /// Values are counted, and learned from, but not given to the feed.
     void hold(bool held);
     /// From now on the control that moves is looked for; false: no more.
     void learn(bool on);
-    /// Rows that let something happen: `happened` is called with the place of one, on the thread that hears; it must return at once and not throw. The same rows go on as they are.
+    /// Sets the rows of triggers. `happened` is called with the index of a row, on the thread that hears; it must return at once and not throw. Rows that are all as before keep their state.
     void triggers(std::vector<InputRow> rows, std::function<void(std::size_t)> happened);
     /// Of each of these rows.
     [[nodiscard]] std::vector<InputMeter> triggerMeters() const;

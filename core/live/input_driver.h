@@ -26,9 +26,9 @@ public:
     bool take(const InputValue& value) { return mapper_.take(value); }
     /// A step of so many seconds, > 0: the targets that moved, until the next step. Those of handles and ends of bones are taken by the character only where they are held.
     std::span<const LiveInput> step(double seconds);
-    /// What such an input moves is held from now on where this says, and glides from there. Where a hand had it, it has let go.
+    /// The target of this input is grabbed from now on, at the place that the input says, and glides from there. If a hand had it, the hand has let go.
     void hold(const LiveInput& held);
-    /// It was held by hold(). A number is held so that what it was before can be had again: whoever steps gives one to the character only then.
+    /// True after hold(). The stepping thread gives a number to the character only then, so that undo can restore the number from before.
     [[nodiscard]] bool holds(const LiveInput& input) const;
     /// Numbers must be held anew.
     void forgetNumbers();

@@ -12,7 +12,7 @@ InputFeed::InputFeed(InputDriver driver) : driver_(std::move(driver)) {
 bool InputFeed::give(std::span<const InputValue> packet) {
     if (values_.free() < packet.size()) return false;
     const InputTime came = inputTime();
-    for (std::size_t i = 0; i < packet.size(); ++i) values_.give({packet[i], i + 1 == packet.size(), came});
+    for (std::size_t i = 0; i < packet.size(); ++i) values_.push({packet[i], i + 1 == packet.size(), came});
     values_.publish();
     return true;
 }
@@ -27,7 +27,7 @@ std::optional<std::uint64_t> InputFeed::takeStep() {
 
 bool InputFeed::tell(const Hand& hand) {
     if (hands_.free() == 0) return false;
-    hands_.give(hand);
+    hands_.push(hand);
     hands_.publish();
     return true;
 }
@@ -49,13 +49,13 @@ InputTime InputFeed::step(double seconds, LiveCharacter& live) {
     for (const LiveInput& input : driver_.step(seconds)) {
         if ((!input.isNumber() || driver_.holds(input)) && live.apply(input)) continue;
         if (refused_.free() == 0) continue;
-        refused_.give(input);
+        refused_.push(input);
         refused_.publish();
     }
     driver_.read(meters_.back());
     meters_.publish();
     if (steps_.free() == 0) return first;  // nobody records
-    steps_.give(packets_);
+    steps_.push(packets_);
     steps_.publish();
     return first;
 }

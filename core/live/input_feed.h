@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -9,33 +8,13 @@
 #include <span>
 #include <utility>
 
+#include "core/base/spsc_queue.h"
 #include "core/base/triple_buffer.h"
 #include "core/live/input_driver.h"
 
 namespace imomushi {
 
 class LiveCharacter;
-
-/// A row between two threads: one gives, one takes, in order. Neither waits, and nothing is allocated but at the beginning.
-template <class Thing, std::size_t room>
-class TwoThreadRow {
-public:
-    [[nodiscard]] std::size_t free() const { return room - (given_ - taken_.load(std::memory_order_acquire)); }
-    /// The giving thread, where there is room; others see it after publish().
-    void give(const Thing& thing) { (*things_)[given_++ % room] = thing; }
-    void publish() { published_.store(given_, std::memory_order_release); }
-    /// The taking thread. Null: there is none.
-    [[nodiscard]] const Thing* front() const {
-        const std::size_t at = taken_.load(std::memory_order_relaxed);
-        return at == published_.load(std::memory_order_acquire) ? nullptr : &(*things_)[at % room];
-    }
-    void pop() { taken_.store(taken_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
-
-private:
-    std::unique_ptr<std::array<Thing, room>> things_ = std::make_unique<std::array<Thing, room>>();
-    std::size_t given_ = 0;  // of the giving thread
-    std::atomic<std::size_t> published_{0}, taken_{0};
-};
 
 /// Live input on its way into the steps of a Performer: one thread hears it, another one steps. Which packets a step took is told, so that a recording of them does the same again.
 class InputFeed {
@@ -48,7 +27,7 @@ public:
     // ---- the hearing thread
     /// The values of a packet, which one step takes whole. False: there is no room, as nobody steps; the packet is lost.
     bool give(std::span<const InputValue> packet);
-    /// How many packets had been given to the driver when the next step was made that this was not told of; none: no such step was made.
+    /// The oldest step that was not asked for yet: how many packets the driver had by then. None: all were asked for.
     std::optional<std::uint64_t> takeStep();
 
     // ---- the stepping thread
@@ -64,7 +43,7 @@ public:
     void letGo() { letsGo_.store(true, std::memory_order_release); }
     /// See InputDriver::forgetNumbers(); with the next step: what was held was undone.
     void forgetNumbers() { forgets_.store(true, std::memory_order_release); }
-    /// meters() are those of the last step from now on. False: they were.
+    /// Brings meters() up to the last step. False: nothing is new.
     bool takeMeters() { return meters_.take(); }
     /// Of each row of the document's table.
     [[nodiscard]] const std::vector<InputMeter>& meters() const { return meters_.front(); }
@@ -87,10 +66,10 @@ private:
     TripleBuffer<std::vector<InputMeter>> meters_;
     std::atomic<bool> letsGo_{false};
     std::atomic<bool> forgets_{false};
-    TwoThreadRow<Heard, kValues> values_;
-    TwoThreadRow<std::uint64_t, kSteps> steps_;
-    TwoThreadRow<LiveInput, kHolds> refused_;
-    TwoThreadRow<Hand, kHolds> hands_;
+    SpscQueue<Heard, kValues> values_;
+    SpscQueue<std::uint64_t, kSteps> steps_;
+    SpscQueue<LiveInput, kHolds> refused_;
+    SpscQueue<Hand, kHolds> hands_;
     std::uint64_t packets_ = 0;  // that were taken
 };
 

@@ -64,7 +64,7 @@ public:
     [[nodiscard]] CharacterEffects effects() const { return characterEffects(document()); }
     /// The same by effect, for whoever changes their numbers; null: it has no such effect.
     [[nodiscard]] std::array<std::shared_ptr<EffectSettings>, kEffects> settingsOfEffects() const;
-    /// True: somebody else shows what this character shows, so that its vertices are evaluated only where effects or questions need them. From the next character that is built.
+    /// True: another Character displays the shape of this one, which then evaluates its vertices only where effects or queries need them. Takes effect with the next character that is built.
     void leaveVerticesToOthers(bool leave);
     /// The plan of any state of the document; the two latest are remembered. Errors: those of planCharacter().
     Result<std::shared_ptr<const CharacterPlan>> planOf(const Document& document);
@@ -72,7 +72,7 @@ public:
     // ---- where it is
     /// The pose that is shown: the document's, or where effects have taken it, or that of a take. Empty: at rest.
     const Pose& shownPose();
-    /// The same of the character as it is, which there must be.
+    /// Like shownPose(), without building. There must be a character.
     [[nodiscard]] const Pose& presentPose() const;
     /// Character::shape() of the character as it is.
     void shape(double* numbers) const { character_->shape(numbers); }
@@ -115,11 +115,11 @@ public:
     bool apply(const LiveInput& input);
     /// Something goes on by itself: frames must be stepped to see it.
     bool moving();
-    /// The same of the character as it is, which there must be; or its pose still comes nearer to what is held, or it is recorded.
+    /// Like moving(), without building; there must be a character. Also true while its pose approaches what is held, and while it is recorded.
     [[nodiscard]] bool inMotion() const;
 
     // ---- time on another thread: see Performer
-    /// Until endPerforming(), advance() and what is const here are for any one thread, and the rest is for nobody: time passes in a copy of the document. built() was asked before.
+    /// Until endPerforming(), only advance() and const functions may be called, all from one thread: time passes in a copy of the document. Call built() before.
     void beginPerforming();
     /// stepFrame() of the character as it is. It does not build and does not throw; where memory runs out, a recording ends.
     void advance(double seconds) noexcept;

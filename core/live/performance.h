@@ -36,9 +36,9 @@ public:
     /// next step() keeps this flesh above the ground, so the ground reacts one frame late. Does nothing without the effect "ground".
     void seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points);
 
-    /// If the flesh of the last seeFlesh() is deeper in the ground than 0.005 sizes of the skeleton, raises the joint points of pose() until the next step(). False: nothing was raised.
+    /// If the flesh of the last seeFlesh() is deeper in the ground than 0.5 % of the skeleton's size (how far its farthest joint point is from its first one), raises the joint points of pose() until the next step(). False: nothing was raised.
     bool lift();
-    /// Translates each connected group of bones and elements up until none of its `depths` exceeds 0.005 sizes of the skeleton (0.01 with contact). False: none did.
+    /// Translates each connected group of bones and elements up until none of its `depths` exceeds 0.5 % of the skeleton's size (1 % with contact). False: none did.
     bool liftWhole(std::span<const FleshDepth> depths);
 
     [[nodiscard]] const Pose& pose() const { return dynamics_ && !lifted_ ? dynamics_->pose() : raised_; }
@@ -70,7 +70,8 @@ private:
     std::vector<double> clearance_;  // m, per joint point
     std::vector<std::int32_t> wholeOf_;  // per joint point, the lowest one that bones and elements connect it with
     std::vector<double> depthOf_;        // m, per such point
-    Pose kinematic_, raised_, next_; // without dynamics: as it was given, as it is shown, and as it would be shown next; with them what lift() did
+    // Without dynamics: the pose that was given, the pose that is shown, the pose that is shown next. With dynamics raised_ is what lift() made.
+    Pose kinematic_, raised_, next_;
     Pose shown_;                     // without dynamics: what the frame before ended with
     int still_ = 0;                  // frames since kinematic_ changed
     unsigned warnings_ = 0;

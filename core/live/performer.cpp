@@ -24,7 +24,10 @@ bool Performer::step(double seconds) {
     bool more = true;
     try {
         InputTime came = 0;
-        for (LiveInputs::Given given; inputs_.take(given); came = firstOf(came, given.came)) (void)live_.apply(given.input);  // what was let go meanwhile needs none
+        for (; const Given* given = inputs_.front(); inputs_.pop()) {
+            (void)live_.apply(given->input);  // what was let go meanwhile needs none
+            came = firstOf(came, given->came);
+        }
         if (feed_) came = firstOf(came, feed_->step(seconds, live_));
         live_.advance(seconds);
         ++steps_;
@@ -108,7 +111,9 @@ void Performer::start() noexcept {
 }
 
 bool Performer::give(const LiveInput& input) {
-    if (parked_ > 0 || !inputs_.give(input)) return false;
+    if (parked_ > 0 || inputs_.free() == 0) return false;
+    inputs_.push({input, inputTime()});
+    inputs_.publish();
     given_ = true;
     if (!running_) start();
     return true;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/spsc_queue.h"
 #include "core/base/triple_buffer.h"
 #include "core/live/input_feed.h"
 #include "core/live/live_character.h"
@@ -22,7 +23,7 @@ namespace imomushi {
 /// What a step of a performance shows: the numbers that a take keeps, and what the step has to say. Nobody changes it once it is published.
 struct PerformedFrame {
     std::uint64_t step = 0;      ///< how many were made
-    InputTime input = 0;         ///< when the first of the inputs came that it shows, and no frame that was taken before it
+    InputTime input = 0;         ///< when the oldest input came that this frame shows and that no frame before it, of those that were taken, did
     std::vector<double> shape;   ///< Character::shape()
     Pose pose;                   ///< LiveCharacter::shownPose()
     std::array<double, kEffects> effectMs{};  ///< negative: it had no such effect
@@ -49,19 +50,19 @@ public:
 
     /// The live character and its document are the caller's until resume(): waits for one step at most. Calls may be nested.
     void park();
-    /// Steps go on where something moves; where the character is out of date, with the next question.
+    /// Steps go on if something moves. If the character is out of date, they go on with the next query.
     void resume() noexcept;
     /// The live character is away on the thread: only frames may be asked.
     [[nodiscard]] bool running() const { return running_; }
     [[nodiscard]] double leftOut() const { return thread_.leftOut(); }  ///< s, see StepThread
 
-    /// An input for the next step, which wakes what rests. False: it cannot be taken now. A command that changes the document outdates what was given before it.
+    /// An input for the next step, which wakes what rests. False: it cannot be taken now. Inputs that were given before a command that changes the document are dropped.
     bool give(const LiveInput& input);
     void dropInputs();  ///< while it is parked
     /// While it is parked: steps take live input from there, and go on as long as it is there. Null: from nowhere. It is let go where the character gets other handles.
     void feed(std::shared_ptr<InputFeed> feed);
     [[nodiscard]] InputFeed* feed() const { return feed_.get(); }
-    /// Inputs were given since the last call: the document does not know of them before it is parked.
+    /// Inputs were given since the last call. The document does not contain them until park().
     bool takeGiven() { return std::exchange(given_, !inputs_.empty()); }
     /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
     bool take();
@@ -90,7 +91,11 @@ private:
     LiveCharacter& live_;
     const std::function<void()> stepped_;
     TripleBuffer<PerformedFrame> frames_;
-    LiveInputs inputs_;
+    struct Given {
+        LiveInput input;
+        InputTime came = 0;
+    };
+    SpscQueue<Given, 1024> inputs_;
     std::shared_ptr<InputFeed> feed_;
     std::vector<FaceRef> fedHandles_;  // that feed_ was made for
     std::optional<Character> shown_;

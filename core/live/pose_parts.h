@@ -42,7 +42,7 @@ PoseParts partsOf(const KeptPose& pose, const Document& document, const Characte
 /// The whole rotation of a bone, with its roll. `roll`: of its end.
 Eigen::Quaterniond wholeRotation(const BoneTree& tree, std::size_t bone, const Eigen::Quaterniond& frame, double roll);
 
-/// How much of each pose is in `now`: the weights, 0 ... 1, whose sum comes nearest.
+/// How much of each pose is in `now`: weights, 0 ... 1, of the weighted sum of `poses` that is nearest to `now` in the sense of least squares.
 std::vector<double> weightsIn(const PoseParts& now, std::span<const PoseParts> poses, const CharacterPlan& plan);
 
 }  // namespace imomushi

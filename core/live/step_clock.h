@@ -5,8 +5,7 @@
 
 namespace imomushi {
 
-/// Which steps of a fixed length are due. Steps that are late are made up for, four at once at most; what is later still is left out, so that the performance
-/// becomes slower instead of falling behind more and more.
+/// Which steps of a fixed length are due. Late steps are caught up, four at once at most; a longer delay is skipped, so that the performance becomes slower instead of lagging more and more.
 class StepClock {
 public:
     using Time = std::chrono::steady_clock::time_point;

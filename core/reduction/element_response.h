@@ -28,9 +28,9 @@ struct ResponseQuality {
     double negativeEnergy = 0.0;  ///< most negative eigenvalue of K over the largest, before the projection
     double seconds = 0.0;         ///< wall time of the whole precompute
     int solverVertices = 0, solverNodes = 0;  ///< of the solver mesh; nodes: three unknowns each
-    /// Estimated error of the response, relative to the motion of the body (root mean squares over its vertices): what the discretisation leaves, by the difference from a coarser level,
-    /// the largest over the joint modes (where there are handles, which move rigidly, root mean square over moves and turns); and what mapping from a decimated body adds, root mean square
-    /// over the modes. Negative: not known.
+    /// Estimated errors of the response, relative to the motion of the body (root mean squares over its vertices). Negative: not known.
+    /// `error`: of the discretisation, by the difference from a coarser level; the largest over the joint modes, or with handles, which move rigidly, the root mean square over moves and turns.
+    /// `mappingError`: what mapping from a decimated body adds; root mean square over the modes.
     double error = -1.0, mappingError = 0.0;
     std::int64_t tetrahedra = 0;  ///< of finite elements; 0: solved by boundary elements, or read from a file of an older program, which does not tell
     std::string noFilling;        ///< see SolvedBody::noFilling
@@ -99,8 +99,8 @@ Result<ElementResponse> buildResponse(const ResponseInput& input, const Progress
 /// `progress` is told from any of the threads too.
 void buildResponses(std::span<const ResponseInput> inputs, int threads, const std::function<void(std::size_t, Result<ElementResponse>)>& done, const Progress& progress);
 
-/// Whether several such inputs are better solved at once than one after the other by all threads: tetrahedra solve it, of which the factorisation has one thread, and it is no larger
-/// than a default one (some 100 MB).
+/// Whether several such inputs are better solved at once than one after the other: true for finite elements, whose factorisation has one thread, of at most the size of "default" (about
+/// 100 MB each).
 bool solvedBesideOthers(const ResponseInput& input);
 
 /// Seconds and bytes of buildResponse() on this machine, and the milliseconds per frame of its product.

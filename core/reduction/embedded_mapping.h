@@ -29,8 +29,8 @@ namespace imomushi {
 /// In deformed positions, where F_i = 1 + G_i may turn by far:  x' = sum_i ( b_i x_i' + F_i c_i ) + w L (x - p),
 /// c_i = b_i ( 1/2 (1 - h) (p - x_i) + (1 - w) (x - p) ).
 ///
-/// p is the nearest point of the surface that is seen; where a normal is given, that of triangles that face its way if it is at most kReach times as far and not
-/// deeper than kDeep: the right side of a thin wall. Points deep inside follow the nearest surface with its gradient, whichever way it faces. Faces
+/// p is the nearest point of the surface that is seen. If a normal is given, p is the nearest point on triangles that face its way, unless that is more than kReach times as far or
+/// deeper than kDeep: so a point takes the right side of a thin wall. Points deep inside follow the nearest surface with its gradient, whichever way it faces. Faces
 /// inside joints are not seen.
 class EmbeddedMapping {
 public:

@@ -10,7 +10,7 @@ namespace imomushi {
 
 // A command takes hold of what live input moves, inputs follow, and a command leaves the answer in the document.
 
-/// How something that inputs move is taken hold of, where it is shown.
+/// The command that grabs the target of an input, at the place where it is shown.
 struct TakingHold {
     Json command;
     LiveInput held;  ///< the same place as an input
@@ -21,7 +21,7 @@ Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const Liv
 /// The same input with the name that InputDriver has for what it moves: ends of several bones may be the same point.
 LiveInput asDriven(const CharacterPlan& plan, LiveInput input);
 
-/// The command that leaves in the document what an input said.
+/// The command that stores the value of an input in the document.
 Json leavingOf(const Session& session, const LiveInput& input);
 
 }  // namespace imomushi

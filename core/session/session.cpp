@@ -82,7 +82,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     Result<Json> answer;
     former_.reset();
     try {
-        answer = perform(*what, command, before, progress);
+        answer = runChecked(*what, command, before, progress);
     } catch (const std::bad_alloc&) {
         if (former_) putBack();
         answer = tl::unexpected(std::move(historyMoved_ ? noMemory.done : noMemory.nothingDone));
@@ -122,7 +122,7 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     return answer;
 }
 
-Result<Json> Session::perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress) {
+Result<Json> Session::runChecked(const Command& command, const Json& arguments, const Document& before, const Progress& progress) {
     Result<Json> answer;
     try {
         if (command.changesDocument()) {

@@ -111,13 +111,13 @@ public:
     /// From now on a thread of its own steps frames, `hertz` times a second, while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
     /// `stepped` is called on that thread after each step, and must return at once: takeFrame() then belongs on this one.
     void perform(double hertz, std::function<void()> stepped);
-    /// A target for the next step, of what is held already (LiveInput). Until the gesture ends, a hand has it, and live input does not drive it. False: frames are not stepped on a thread of their own, or it has no room: a command does it then.
+    /// A target for the next step, of something that is held already (LiveInput). Until the gesture ends, mappings do not move it. False: no performer runs, or its queue is full; then use a command.
     bool give(const LiveInput& input);
     /// Live input for these steps, which go on as long as it is there; see Performer::feed(). Null: no more. False: frames are not stepped on a thread of their own.
     bool performInputs(std::shared_ptr<InputFeed> feed);
     /// Live input moves something that nobody holds: holdInputs() is due.
     [[nodiscard]] bool inputsWait() const;
-    /// Takes hold, by commands, of what live input moves and nobody holds. Undo of these leads back to what it was before. True: of something. Errors: those of "drag", "morph" and "set".
+    /// Grabs, by commands, every target that live input moves and that nothing holds. Undo of these commands restores what was before. True: something was grabbed. Errors: those of "drag", "morph" and "set".
     Result<bool> holdInputs();
     /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
     bool takeFrame();
@@ -125,8 +125,8 @@ public:
     struct Performed {
         std::uint64_t step = 0;
         double milliseconds = 0.0;
-        InputTime input = 0;   ///< when the first input came that this frame shows and none before it did; 0, or the same as before: there was none
-        double leftOut = 0.0;  ///< s of performance that were left out so far, as steps took longer than their time
+        InputTime input = 0;   ///< when the oldest input came that this frame shows first; 0, or the same as before: it shows none
+        double leftOut = 0.0;  ///< s that were skipped so far, as steps took longer than their time
     };
     [[nodiscard]] std::optional<Performed> performed() const;
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;
@@ -169,11 +169,11 @@ private:
     /// Throws std::bad_alloc only while nothing has changed.
     Result<Json> executeOrThrow(const Json& command, const Progress& progress);
     /// Runs a command that was checked, and what follows from it.
-    Result<Json> perform(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
+    Result<Json> runChecked(const Command& command, const Json& arguments, const Document& before, const Progress& progress);
     Json takeOver(const PreparedStep& made);
     /// The gesture is over: live input goes on from where hands left things.
     void leaveHands() noexcept;
-    // What takes back asks for no memory that it could not do without.
+    // Taking back works without memory.
     void takeBack(Document&& before) noexcept;
     [[nodiscard]] Change changeSince(const Document& before) const noexcept;
     void tell(const Change& change) noexcept;

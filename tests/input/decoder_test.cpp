@@ -242,6 +242,28 @@ TEST_CASE("pad: one that is plugged out leaves every channel that it said, and n
     CHECK(h.one("left-x") == 0.0);
 }
 
+TEST_CASE("keys: each has a channel, four of them are a stick, too, and what no keyboard has is malformed") {
+    Heard h(InputProtocol::Keys);
+    const auto key = [&](bool down, const std::string& name) { return h.hear(std::string(1, down ? '\1' : '\0') + name); };
+    CHECK(key(true, "space") == 1);
+    CHECK(h.one("space") == 1.0);
+    CHECK(key(false, "space") == 1);
+    CHECK(h.one("space") == 0.0);
+    CHECK(key(true, "w") == 2);
+    CHECK(key(true, "d") == 2);
+    CHECK(h.last.at("wasd") == std::vector<double>{1.0, 1.0});
+    key(true, "a");  // both sides at once
+    CHECK(h.last.at("wasd") == std::vector<double>{0.0, 1.0});
+    key(false, "d");
+    key(false, "w");
+    CHECK(h.last.at("wasd") == std::vector<double>{-1.0, 0.0});
+    for (const std::string& broken : {std::string("\1"), std::string("\1") + "escape", std::string("\2") + "w", std::string("\1") + "W", std::string("\1") + "wasd"}) CHECK(h.hear(broken) == 0);
+    CHECK(h.malformed() == 5);
+    // What was broken has changed nothing.
+    key(true, "w");
+    CHECK(h.last.at("wasd") == std::vector<double>{-1.0, 1.0});
+}
+
 TEST_CASE("midi: a device that is plugged out leaves every channel that it said, also what it said in the same packet") {
     Heard h(InputProtocol::Midi);
     h.hear(midi({0xB0, 7, 64, 0x90, 60, 100}));
@@ -262,8 +284,8 @@ TEST_CASE("decoders: of 400,000 packets that are random, or valid ones with a fe
     std::mt19937 random(49);
     const std::vector<std::string> osc = {oscBytes("/hand", {1.0f, 2, std::string("abc")}), oscBundle({oscBytes("/a", {1.0f}), bone("Hips")}), bone("Spine"),
                                           oscBytes("/VMC/Ext/Blend/Val", {std::string("Joy"), 1.0f}), oscBytes("/VMC/Ext/Blend/Apply", {})};
-    const std::vector<std::string> other = {midi({0x90, 60, 127, 64, 0}), midi({0xF0, 1, 2, 0xF7}), midi({0xE0, 0, 64}), std::string("\0\1\2\3", 4)};
-    for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc, InputProtocol::Midi, InputProtocol::Pad}) {
+    const std::vector<std::string> other = {midi({0x90, 60, 127, 64, 0}), midi({0xF0, 1, 2, 0xF7}), midi({0xE0, 0, 64}), std::string("\0\1\2\3", 4), std::string("\1w"), std::string("\1left"), std::string("\1space")};
+    for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc, InputProtocol::Midi, InputProtocol::Pad, InputProtocol::Keys}) {
         const auto decoder = makeInputDecoder(protocol, "fuzz");
         const auto& seeds = protocol == InputProtocol::Osc || protocol == InputProtocol::Vmc ? osc : other;
         std::uint64_t values = 0;

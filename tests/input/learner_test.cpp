@@ -81,3 +81,25 @@ TEST_CASE("learner: of a rotation that is told twice, the rotation vector is fou
     CHECK(found->component == 7);
     CHECK(found->high == doctest::Approx(0.0012 * 992));
 }
+
+TEST_CASE("learner: of a key and the stick that it is part of the key is meant, both keys of a direction are the stick") {
+    const auto press = [](ControlLearner& learner, std::int64_t ms, double up, double down) {
+        learner.hear(at(ms, "up", {up}, "keys"));
+        learner.hear(at(ms, "arrows", {0.0, up - down}, "keys"));
+    };
+    ControlLearner one;
+    press(one, 0, 1.0, 0.0);
+    press(one, 300, 0.0, 0.0);
+    REQUIRE(one.found(300 * kMs));
+    CHECK(one.found(300 * kMs)->channel == "up");
+    ControlLearner both;
+    press(both, 0, 1.0, 0.0);
+    press(both, 200, 0.0, 0.0);
+    press(both, 400, 0.0, 1.0);
+    const auto found = both.found(400 * kMs);
+    REQUIRE(found);
+    CHECK(found->channel == "arrows");
+    CHECK(found->component == 1);
+    CHECK(found->low == -1.0);
+    CHECK(found->high == 1.0);
+}

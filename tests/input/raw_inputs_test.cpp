@@ -32,7 +32,7 @@ TEST_CASE("raw inputs: what was written is read, with its steps; a file that was
     const TestFolder folder("raw-inputs");
     const auto path = folder / "raw";
     {
-        auto writer = RawInputWriter::begin(path, {{"face", InputProtocol::Vmc}, {"knobs", InputProtocol::Midi}}, 1.0 / 60.0);
+        auto writer = RawInputWriter::begin(path, {{"face", InputProtocol::Vmc}, {"knobs", InputProtocol::Midi}, {"keys", InputProtocol::Keys}}, 1.0 / 60.0);
         REQUIRE(writer);
         for (int step = 0; step < 10; ++step) {
             for (int p = 0; p < step % 3; ++p) writer->packet(static_cast<std::size_t>(p), 1000 * step + p, asBytes(std::string(static_cast<std::size_t>(step), 'x')));
@@ -42,7 +42,7 @@ TEST_CASE("raw inputs: what was written is read, with its steps; a file that was
     }
     const auto read = RawInputs::read(path);
     REQUIRE(read);
-    CHECK(read->sources == std::vector<RawSource>{{"face", InputProtocol::Vmc}, {"knobs", InputProtocol::Midi}});
+    CHECK(read->sources == std::vector<RawSource>{{"face", InputProtocol::Vmc}, {"knobs", InputProtocol::Midi}, {"keys", InputProtocol::Keys}});
     CHECK(read->steps == 10);
     CHECK(read->packets.size() == 9);
     CHECK(!read->cut);

@@ -220,6 +220,16 @@ TEST_CASE("live: a game controller that is not there is no error, and one that n
     CHECK(run.answers[2]["sources"][0]["packets"] == 0);
 }
 
+TEST_CASE("live: the keyboard is not heard without a window, and that is said") {
+    makeEgg();
+    const Run run = script(R"({"do":"open","path":"egg.imomushi"}
+{"do":"map-input","source":"keys","channel":"space","target":"handle/top/y"}
+{"do":"live","seconds":0.05,"sources":[{"protocol":"keys"}]}
+)");
+    CHECK(run.status == 0);
+    CHECK(run.err.find("keys is not heard") != std::string::npos);
+}
+
 TEST_CASE("live: there are mappings of a pad for each sample, and all that they drive is there") {
     for (const std::string name : {"caterpillar", "octopus", "figure", "dragon"}) {
         CAPTURE(name);

@@ -404,3 +404,70 @@ TEST_CASE("live: the panel is whole in both languages, at twice the size too") {
     CHECK(cutOff(w.panel()) == "");
     w.shoot("live-large");
 }
+
+TEST_CASE("live: a key of the keyboard is learned and moves an end while it is held; it does nothing else then, and does again what it did where nobody maps it") {
+    LiveWindow w;
+    w.window().activateWindow();
+    waitFor([&] { return w.window().isActiveWindow(); });
+    w.view().setFocus();
+    REQUIRE(w.inputs().canLearn());
+    w.document().select({{SelectionItem::Kind::Endpoint, w.lastEnd().bone, {}, true}});
+    w.click("learn");
+    const ToolKind tool = w.view().tools().kind();
+    // D is a shortcut of the view.
+    QTest::keyPress(&w.view(), Qt::Key_D);
+    QTest::qWait(50);
+    QTest::keyRelease(&w.view(), Qt::Key_D);
+    waitFor([&] { return w.rows() == 1; });
+    const InputMapping made = w.now().mappings->front();
+    CHECK(made.row.source == "keys");
+    CHECK(made.row.channel == "d");
+    CHECK(made.row.curve.inLow == 0.0);
+    CHECK(w.view().tools().kind() == tool);
+    CHECK(w.state("keys").startsWith(QStringLiteral("Keys of rows")));
+
+    w.view().setFocus();
+    const double rest = w.place(w.lastEnd()).y();
+    QTest::keyPress(&w.view(), Qt::Key_D);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.5 * made.row.curve.outHigh; });
+    CHECK(w.view().tools().kind() == tool);
+    // Nobody else hears that it came up, as the window went to the back.
+    QEvent back(QEvent::WindowDeactivate);
+    QApplication::sendEvent(&w.window(), &back);
+    waitFor([&] { return w.place(w.lastEnd()).y() < rest + 0.1 * made.row.curve.outHigh; });
+    QTest::keyRelease(&w.view(), Qt::Key_D);
+
+    // What is typed into a field is no input.
+    auto& out = w.part<NumberField>("outHigh");
+    w.panel().view()->choose(0);
+    w.settle();
+    out.setFocus();
+    QTest::keyClick(&out, Qt::Key_D);
+    QTest::keyClick(&out, Qt::Key_Escape);
+    w.settle();
+    CHECK(w.place(w.lastEnd()).y() < rest + 0.1 * made.row.curve.outHigh);
+
+    w.run({{"do", "unmap-input"}});
+    w.settle();
+    w.view().setFocus();
+    CHECK(!w.inputs().listens());
+    QTest::keyClick(&w.view(), Qt::Key_D);
+    CHECK(w.view().tools().kind() == ToolKind::Pose);
+}
+
+TEST_CASE("live: the keyboard is mapped to whatever the character has by one click, and undo takes it out") {
+    LiveWindow w;
+    w.window().activateWindow();
+    waitFor([&] { return w.window().isActiveWindow(); });
+    w.trigger("suggest-keys");
+    waitFor([&] { return w.rows() >= 4; });
+    const double rest = w.place(w.lastEnd()).y();
+    w.view().setFocus();
+    waitFor([&] { return w.inputs().listens(); });
+    QTest::keyPress(&w.view(), Qt::Key_W);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.1; });
+    w.shoot("live-suggested");
+    QTest::keyRelease(&w.view(), Qt::Key_W);
+    w.trigger("undo");
+    waitFor([&] { return w.rows() == 0 || w.inputs().waits() != InputDeck::Waits::No; });
+}

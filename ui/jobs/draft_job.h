@@ -14,7 +14,7 @@
 namespace imomushi {
 
 /// Makes elements soft soon after a change: each that has joint faces or handles, and no response that fits it, is solved on the solver mesh "draft" in the background, in a
-/// fraction of a second, one on each processor. One that lacks nothing but patches, as where flesh meets, gets those of its draft. The answer is used, as one that is out of date, until the element is precomputed as its settings say. Elements of more than kLargest
+/// fraction of a second, one on each processor. An element whose response lacks patches alone, as where flesh meets, takes the draft's patches. A draft counts as out of date until the element is precomputed as its settings say. Elements of more than kLargest
 /// vertices wait for that.
 class DraftJob : public BackgroundJob {
     Q_OBJECT

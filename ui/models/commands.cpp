@@ -297,6 +297,7 @@ Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position) 
 }
 
 Json unmapInput(const InputMapping& mapping) { return {{"do", "unmap-input"}, {"source", mapping.row.source}, {"channel", mapping.row.channel}, {"component", mapping.row.component}, {"target", mapping.target}}; }
+Json suggestMappings(InputProtocol protocol, const std::string& source) { return {{"do", "suggest-mappings"}, {"protocol", protocolName(protocol)}, {"source", source}}; }
 Json saveMappings(const std::string& path) { return {{"do", "save-mappings"}, {"path", path}}; }
 Json loadMappings(const std::string& path) { return {{"do", "load-mappings"}, {"path", path}}; }
 

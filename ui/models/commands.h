@@ -13,6 +13,7 @@
 #include "core/body/body.h"
 #include "core/document/command.h"
 #include "core/document/effects.h"
+#include "core/input/input_decoder.h"
 
 /// The commands that the studio issues: their names and keys are spelt here and nowhere else in ui. `imomushi run --help` says what each does.
 /// Elements, bones and takes go by their names, joint faces by "element/face", endpoints by "bone/start" and "bone/end" (see paths.h).
@@ -231,6 +232,7 @@ Json touch(const std::string& element, const Vec3& point, const std::optional<Ve
 /// A row of the table of mappings, with all it says. `position`: its place in the table, where it gets another one.
 Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position = {});
 Json unmapInput(const InputMapping& mapping);
+Json suggestMappings(InputProtocol protocol, const std::string& source);
 Json saveMappings(const std::string& path);
 Json loadMappings(const std::string& path);
 

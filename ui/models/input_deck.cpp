@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/document/document_change.h"
+#include "core/input/key_names.h"
 #include "core/live/direct_names.h"
 #include "core/live/input_feed.h"
 #include "ui/models/commands.h"
@@ -75,7 +76,7 @@ void InputDeck::load() {
         sources_.push_back(std::move(source));
     }
     settings.endArray();
-    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0), std::pair(InputProtocol::Midi, 0)}) {
+    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0), std::pair(InputProtocol::Midi, 0), std::pair(InputProtocol::Keys, 0)}) {
         Source source;
         source.name = protocolName(protocol);
         if (std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; })) continue;
@@ -185,8 +186,24 @@ void InputDeck::lookForDevices() {
     Q_EMIT changed();
 }
 
-bool InputDeck::canLearn() const {
+bool InputDeck::anythingPlugged() const {
     return listens() || std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && s.on && !devices(s.protocol).empty(); });
+}
+
+bool InputDeck::canLearn() const {
+    return anythingPlugged() || std::any_of(sources_.begin(), sources_.end(), [](const Source& s) { return s.protocol == InputProtocol::Keys && s.on; });
+}
+
+bool InputDeck::wantsKey(std::string_view key) const {
+    if (!isKeyName(key)) return false;
+    const KeyStick* stick = keyStick(key);
+    const auto& rows = document_.document().mappings;
+    return std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
+        if (s.protocol != InputProtocol::Keys || !s.open) return false;
+        return learning() || (rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) {
+                                  return m.row.source == s.name && !m.row.muted && (m.row.channel == key || (stick && m.row.channel == stick->name));
+                              }));
+    });
 }
 
 void InputDeck::setPort(std::size_t index, int port) {

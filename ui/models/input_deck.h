@@ -8,10 +8,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/document/input_mapping.h"
 #include "core/input/devices.h"
+#include "core/input/key_port.h"
 #include "core/live/hearing_thread.h"
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
@@ -65,8 +67,12 @@ public:
     /// Devices that were there when somebody looked last. From the first look on, what is plugged in and out is seen by itself.
     [[nodiscard]] const std::vector<PluggedDevice>& devices(InputProtocol protocol) const { return devices_[std::size_t(protocol)]; }
     void lookForDevices();
-    /// Somebody is listened to, or a device that may be heard is plugged in.
+    /// Somebody is listened to, or a device that may be heard is plugged in; the keyboard is not asked for.
+    [[nodiscard]] bool anythingPlugged() const;
+    /// The same, or the keyboard may be heard.
     [[nodiscard]] bool canLearn() const;
+    /// A key of the keyboard (isKeyName()) drives something, or may be learned: it is to be given to KeyBoard::say(), and does nothing else.
+    [[nodiscard]] bool wantsKey(std::string_view key) const;
 
     [[nodiscard]] Waits waits() const;
     /// Everything that inputs move glides to rest, and they move nothing more until goOn(). For panic.
@@ -114,9 +120,10 @@ private:
     TakeDeck& deck_;
     std::vector<Source> sources_;
     std::vector<std::uint64_t> packets_;  // of each source when rates were taken last
-    std::array<std::vector<PluggedDevice>, 4> devices_;  // by protocol
+    std::array<std::vector<PluggedDevice>, kInputProtocols> devices_;  // by protocol
     QFileSystemWatcher* watcher_ = nullptr;  // from the first look on
     QTimer lookSoon_;
+    KeyBoard keyboard_;
     HearingThread thread_;
     std::shared_ptr<InputFeed> feed_;
     std::vector<InputMeter> meters_;

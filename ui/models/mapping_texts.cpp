@@ -9,6 +9,7 @@
 
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
+#include "core/input/key_names.h"
 #include "core/live/live_input.h"
 #include "core/mesh/render_model.h"
 #include "ui/models/effect_texts.h"
@@ -131,6 +132,8 @@ QString channelText(const InputMapping& mapping) {
         if (channel.startsWith(kind) && (component < 3 || component >= 7))
             return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < 3 ? placeAxis(component) : turnAxis(component - 7));
     if (channel.startsWith(QLatin1String("blend/"))) return channel.mid(6);
+    if (component < 2 && std::any_of(kKeySticks.begin(), kKeySticks.end(), [&](const KeyStick& s) { return s.name == mapping.row.channel; }))
+        return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel, placeAxis(component));
     return component == 0 ? channel : MappingTexts::tr("%1, number %2", "a control").arg(channel).arg(component + 1);
 }
 
@@ -140,6 +143,7 @@ QString protocolText(InputProtocol protocol) {
         case InputProtocol::Vmc: return QStringLiteral("VMC");
         case InputProtocol::Midi: return QStringLiteral("MIDI");
         case InputProtocol::Pad: return MappingTexts::tr("Game controller");
+        case InputProtocol::Keys: return MappingTexts::tr("Keyboard");
     }
     return {};
 }

@@ -38,6 +38,7 @@ const std::map<std::string, const char*> kErrors = {
     {"bad-index", QT_TRANSLATE_NOOP("Errors", "A vertex does not exist.")},
     {"not-connected", QT_TRANSLATE_NOOP("Errors", "The patch falls into several pieces. Choose one connected patch.")},
     {"not-planar", QT_TRANSLATE_NOOP("Errors", "The patch is too far from flat for a joint face.")},
+    {"nothing-to-drive", QT_TRANSLATE_NOOP("Errors", "There is nothing that could be driven so: the character needs bones whose ends are free, handles or shapes.")},
     {"no-devices", QT_TRANSLATE_NOOP("Errors", "Devices of this kind cannot be had on this machine: the system has no driver for them, or does not let this program have them.")},
     {"port-taken", QT_TRANSLATE_NOOP("Errors", "Another program uses this port. Close it, or choose another port here and in the sender.")},
     {"no-port", QT_TRANSLATE_NOOP("Errors", "The port cannot be opened. Choose one from 1024 on.")},
@@ -247,6 +248,7 @@ const std::map<std::string, const char*> kSteps = {
     {"map-input", QT_TRANSLATE_NOOP("Steps", "Map input")},
     {"unmap-input", QT_TRANSLATE_NOOP("Steps", "Remove mapping")},
     {"load-mappings", QT_TRANSLATE_NOOP("Steps", "Load mappings")},
+    {"suggest-mappings", QT_TRANSLATE_NOOP("Steps", "Suggest mappings")},
     {"live", QT_TRANSLATE_NOOP("Steps", "Perform")},
 };
 

@@ -46,6 +46,7 @@
 #include "ui/window/clipboard_flow.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/job_card.h"
+#include "ui/window/key_listener.h"
 #include "ui/window/message_bar.h"
 #include "ui/window/next_steps.h"
 #include "ui/window/overlays.h"
@@ -91,6 +92,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
     states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, *clipboard_, this);
+    new KeyListener(*this, *inputs_, [this] { return viewport_->tools().busy(); });
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     connectDocument();

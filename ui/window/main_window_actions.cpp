@@ -252,6 +252,13 @@ void MainWindow::connectLiveActions() {
         StudioDocks::raise(live());
     });
     on("let-go", [this] { inputs_->letGo(); });
+    for (const auto& [action, protocol] : {std::pair("suggest-keys", InputProtocol::Keys), std::pair("suggest-pad", InputProtocol::Pad), std::pair("suggest-vmc", InputProtocol::Vmc)})
+        onSettled(action, [this, protocol = protocol] {
+            const auto answer = document_.execute(commands::suggestMappings(protocol, std::string(protocolName(protocol))));
+            if (!answer) return;
+            StudioDocks::raise(live());
+            messages().say(tr("%n mapping(s) made. Change them as you like.", nullptr, answer->at("suggested").get<int>()), MessageBar::Tone::Good);
+        });
     const QString filter = tr("Mappings (*.json)");
     onSettled("load-mappings", [this, filter] {
         const QString path = QFileDialog::getOpenFileName(this, tr("Load mappings"), files_->folder(), filter);

@@ -9,7 +9,7 @@
 // Of the .cpp files of this folder alone.
 namespace imomushi::cgal {
 
-/// Memory whose addresses ascend in the order in which they were asked for, of this thread, while it lives. Nothing is given back before.
+/// A bump allocator of this thread: addresses ascend in the order of requests. Its destructor gives all memory back, nothing before.
 class Arena {
 public:
     explicit Arena(std::size_t bytes) : memory_(std::make_unique_for_overwrite<std::byte[]>(bytes)), next_(memory_.get()), end_(next_ + bytes), outer_(current()) { current() = this; }

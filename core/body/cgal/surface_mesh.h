@@ -9,8 +9,8 @@
 
 #include "core/mesh/mesh.h"
 
-// Boxes that begin at the same place come in the order in which they were made. CGAL has them by their addresses, those of edges before or after those of faces as the heap
-// has it: what meets was found, numbered and triangulated in another order.
+// Boxes that begin at the same place are sorted by the order in which they were made. CGAL sorts them by address, so that the order of intersections, and with it their numbers and
+// triangles, would depend on the heap.
 namespace CGAL::Box_intersection_d {
 template <>
 class Box_d<double, 3, ID_FROM_BOX_ADDRESS> : public Box_d<double, 3, ID_EXPLICIT> {

@@ -4,6 +4,7 @@
 #include <QEvent>
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QMenu>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSignalBlocker>
@@ -66,13 +67,18 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, TakeDeck& deck
     up_ = named(button("up"), "mappingUp");
     down_ = named(button("down"), "mappingDown");
     remove_ = named(button("trash"), "mappingRemove");
+    suggest_ = named(button("suggest"), "suggest");
+    suggest_->setPopupMode(QToolButton::InstantPopup);
+    auto* suggestions = new QMenu(suggest_);
+    for (const char* action : {"suggest-keys", "suggest-pad", "suggest-vmc"}) suggestions->addAction(actions[action]);
+    suggest_->setMenu(suggestions);
     auto *load = button(nullptr), *save = button(nullptr);
     load->setDefaultAction(actions["load-mappings"]);
     save->setDefaultAction(actions["save-mappings"]);
     connect(up_, &QToolButton::clicked, this, [this] { moveRow(-1); });
     connect(down_, &QToolButton::clicked, this, [this] { moveRow(1); });
     connect(remove_, &QToolButton::clicked, this, &LivePanel::removeRow);
-    auto* top = fill(new QHBoxLayout, Spacing{2}, Share{guide_, 1}, Space{6}, goOn_, Space{6}, up_, down_, remove_, Space{6}, load, save);
+    auto* top = fill(new QHBoxLayout, Spacing{2}, Share{guide_, 1}, Space{6}, goOn_, Space{6}, up_, down_, remove_, Space{6}, suggest_, load, save);
     fill(new QVBoxLayout(middle), QMargins(0, 0, 0, 0), Spacing{6}, top, learn_, Share{view_, 1});
 
     right_ = new QWidget(this);
@@ -108,7 +114,7 @@ void LivePanel::takeSizes() {
 
 QString LivePanel::guide() const {
     const bool heard = std::any_of(inputs_.sources().begin(), inputs_.sources().end(), [](const InputDeck::Source& s) { return s.open && (s.heard.counts.packets > 0 || !s.heard.device.empty()); });
-    if (!inputs_.listens()) return inputs_.canLearn() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port.");
+    if (!inputs_.listens()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
     switch (inputs_.waits()) {
         case InputDeck::Waits::LetGo: return tr("Everything was let go. Inputs move nothing until you continue.");
         case InputDeck::Waits::Undone: return tr("What inputs held was undone. They move nothing until you continue.");
@@ -164,7 +170,8 @@ void LivePanel::retranslate() {
     up_->setToolTip(tr("Move this row up. Of rows that drive the same, the upper one wins."));
     down_->setToolTip(tr("Move this row down"));
     remove_->setToolTip(tr("Remove this row"));
-    for (QToolButton* b : {up_, down_, remove_}) b->setAccessibleName(b->toolTip());
+    suggest_->setToolTip(tr("Map a source to whatever the character has: limbs, poses, shapes"));
+    for (QToolButton* b : {up_, down_, remove_, suggest_}) b->setAccessibleName(b->toolTip());
     goOn_->setText(tr("Continue"));
     const QString keys = actions_["let-go"]->shortcut().toString(QKeySequence::NativeText);
     letGo_->setText(keys.isEmpty() ? tr("Let everything go") : QStringLiteral("%1  (%2)").arg(tr("Let everything go"), keys));

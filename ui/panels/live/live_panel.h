@@ -51,7 +51,7 @@ private:
     QWidget *left_, *right_;
     QLabel* guide_;
     QPushButton *goOn_, *letGo_;
-    QToolButton *up_, *down_, *remove_;
+    QToolButton *up_, *down_, *remove_, *suggest_;
     std::vector<QToolButton*> buttons_;
     InputMapping chosen_;  ///< the row that was chosen, to be found again
 };

@@ -33,6 +33,11 @@ QString wantedText(const Source& source) {
     return source.protocol == InputProtocol::Midi ? SourceRows::tr("a MIDI device") : SourceRows::tr("a game controller");
 }
 
+/// How the keyboard is.
+QString keyText(const Source& source) {
+    return source.open ? SourceRows::tr("Keys of rows move the character while this window is in front. They do nothing else then.") : SourceRows::tr("Ready. Keys are heard while you learn, and where rows name them.");
+}
+
 /// How a device is.
 QStringList deviceParts(const InputDeck& inputs, const Source& source) {
     const QString device = QString::fromStdString(source.heard.device);
@@ -48,7 +53,8 @@ QString stateText(const InputDeck& inputs, const Source& source) {
     if (!source.on) return {};
     const auto& heard = source.heard;
     QStringList parts;
-    if (isOfDevices(source.protocol)) parts = deviceParts(inputs, source);
+    if (source.protocol == InputProtocol::Keys) parts << keyText(source);
+    else if (isOfDevices(source.protocol)) parts = deviceParts(inputs, source);
     else if (heard.counts.packets == 0 && heard.refused == 0)
         return source.network ? SourceRows::tr("Listening. Any machine may send to port %1.").arg(source.port) : SourceRows::tr("Listening. Programs on this machine may send to 127.0.0.1, port %1.").arg(source.port);
     else if (heard.senders == 0) parts << SourceRows::tr("Silent: no sender is heard now.");
@@ -100,8 +106,8 @@ void SourceRows::addRow(std::size_t i) {
     auto* title = styled(new QLabel(protocol, row.all), "section");
     auto* called = styled(new QLabel(name.compare(protocol, Qt::CaseInsensitive) == 0 ? QString() : name, row.all), "muted");
     auto* top = fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, called, Stretch{});
-    if (isOfDevices(source.protocol)) addDevice(row, i);
-    else addPort(row, i, *top);
+    if (!isOfDevices(source.protocol)) addPort(row, i, *top);
+    else if (source.protocol != InputProtocol::Keys) addDevice(row, i);
     if (source.name != protocolName(source.protocol)) {  // one that was added
         auto* remove = new QToolButton(row.all);
         remove->setProperty("small", true);
@@ -183,6 +189,7 @@ void SourceRows::follow() {
             fillDevices(*rows_[i].device, sources[i]);
             continue;
         }
+        if (!rows_[i].port) continue;
         if (!rows_[i].port->hasFocus()) rows_[i].port->setText(QString::number(sources[i].port));
         rows_[i].network->setChecked(sources[i].network);
         rows_[i].network->setToolTip(sources[i].network ? tr("Every machine that reaches this one may send. Click: programs on this machine alone.") : tr("Programs on this machine alone may send. Click: open the port to the network."));

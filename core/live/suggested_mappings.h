@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "core/document/character_input.h"
+#include "core/document/input_mapping.h"
+#include "core/input/input_decoder.h"
+
+namespace imomushi {
+
+/// The mappings by which a source drives a character that nobody has mapped yet.
+///
+/// Pads and keys: limbs are chains of bones that end freely and are not pinned; a hand is one limb, not its fingers. A stick moves the limb that reaches farthest to one side of the scene (-x), a
+/// second stick the one that reaches farthest to the other, a third one the highest of what is left; two buttons bring the first two forward (+z). Characters with handles alone have those in the place
+/// of limbs. Buttons show kept poses, else morph targets. One button lets everything go.
+///
+/// VMC: bones turn by their roles of a human, as the file says them or names tell them; without roles, the head turns the highest limb, and the arms turn the limbs that reach farthest to their sides.
+/// Values of a face move expressions of an avatar, or morph targets of the same name.
+///
+/// OSC and MIDI: none, as senders have no names in common. `source`: who they are for.
+InputMappings suggestedMappings(const Document& document, const CharacterPlan& plan, InputProtocol protocol, const std::string& source);
+
+}  // namespace imomushi
