@@ -11,7 +11,7 @@ namespace imomushi {
 namespace {
 
 /// What waits where nobody takes it; the rest is lost.
-constexpr std::size_t kMostWaiting = 4096;
+constexpr std::size_t kMostKeysWaiting = 4096;
 
 struct Keys {
     std::mutex mutex;
@@ -65,7 +65,7 @@ KeyPort::~KeyPort() {
 
 void KeyPort::say(const Packet& packet) {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() == kMostWaiting) return;
+    if (waiting_.size() == kMostKeysWaiting) return;
     waiting_.push_back(packet);
     if (waiting_.size() == 1) (void)::eventfd_write(event_, 1);
 }

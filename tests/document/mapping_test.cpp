@@ -147,6 +147,21 @@ TEST_CASE("mappings: a project and a file of mappings give the same rows back, t
     CHECK(w.code({{"do", "load-mappings"}, {"path", project.string()}}) == "not-mappings");
 }
 
+TEST_CASE("mappings: those that are suggested take limbs, handles and shapes that are there, in one step, and nothing where there is nothing") {
+    Mapped w;
+    const Json made = w.good({{"do", "suggest-mappings"}, {"protocol", "vmc"}});
+    bool smiles = false;
+    for (const Json& row : made["rows"]) smiles = smiles || (row["channel"] == "blend/smile/left" && row["target"] == "morph/man/smile/left");
+    CHECK(smiles);
+    CHECK(w.good({{"do", "suggest-mappings"}, {"protocol", "keys"}, {"source", "mine"}})["rows"][0]["source"] == "mine");
+    w.good({{"do", "undo"}, {"count", 2}});
+    CHECK(w.session.document().mappings == nullptr);
+    CHECK(w.code({{"do", "suggest-mappings"}, {"protocol", "osc"}}) == "bad-value");
+    Workbench empty;
+    CHECK(empty.code({{"do", "suggest-mappings"}, {"protocol", "keys"}}) == "nothing-to-drive");
+    CHECK(empty.session.document().mappings == nullptr);
+}
+
 TEST_CASE("mappings: a project whose mappings are broken is damaged") {
     Mapped w;
     w.good(w.map("/x", "handle/tip/x"));

@@ -240,3 +240,35 @@ TEST_CASE("live: there are mappings of a pad for each sample, and all that they 
         CHECK(run.answers[1]["missing"] == Json::array());
     }
 }
+
+TEST_CASE("live: a pad, keys and a body are mapped to the limbs of each sample: what reaches farthest to both sides, then what is highest; a figure's bones by their names") {
+    const std::string assets = IMOMUSHI_SOURCE_DIR "/assets/samples/";
+    // Of both sticks of the pad, of the third one of the keys, and of the left upper arm and the head of who performs.
+    struct Expected {
+        std::string sample, left, right, third, arm, head;
+    };
+    for (const Expected& is : {Expected{"caterpillar", "bone/head-bone/end", "", "", "", "bone/head-bone"}, Expected{"octopus", "bone/arm6-tip-bone/end", "bone/arm2-tip-bone/end", "bone/arm1-tip-bone/end", "bone/arm2-root-bone", "bone/arm1-tip-bone"},
+                               Expected{"figure", "bone/hand-bone.R/end", "bone/hand-bone.L/end", "bone/head-bone/end", "bone/upper-arm-bone.L", "bone/head-bone"},
+                               Expected{"dragon", "bone/arm.R/end", "bone/arm.L/end", "bone/head/end", "bone/arm.L", "bone/head"}}) {
+        CAPTURE(is.sample);
+        const Run run = script("{\"do\":\"open\",\"path\":\"" + assets + is.sample + ".imomushi\"}\n{\"do\":\"suggest-mappings\",\"protocol\":\"pad\"}\n{\"do\":\"suggest-mappings\",\"protocol\":\"keys\"}\n{\"do\":\"suggest-mappings\",\"protocol\":\"vmc\"}\n{\"do\":\"suggest-mappings\",\"protocol\":\"pad\"}\n");
+        REQUIRE(run.status == 0);
+        const auto target = [&](std::size_t answer, const std::string& channel, int component) {
+            for (const Json& row : run.answers[answer]["rows"])
+                if (row["channel"] == channel && row["component"] == component) return row["target"].get<std::string>();
+            return std::string();
+        };
+        const auto of = [](const std::string& end, const char* number) { return end.empty() ? end : end + number; };
+        CHECK(target(1, "left-x", 0) == of(is.left, "/x"));
+        CHECK(target(1, "left-y", 0) == of(is.left, "/y"));
+        CHECK(target(1, "right-x", 0) == of(is.right, "/x"));
+        CHECK(target(1, "back", 0) == "trigger/let-go");
+        CHECK(target(2, "wasd", 0) == of(is.left, "/x"));
+        CHECK(target(2, "arrows", 1) == of(is.right, "/y"));
+        CHECK(target(2, "ijkl", 1) == of(is.third, "/y"));
+        CHECK(target(3, "bone/LeftUpperArm", 7) == of(is.arm, "/turn-x"));
+        CHECK(target(3, "bone/Head", 8) == of(is.head, "/turn-y"));
+        // Asked again, they are in the place of those from before.
+        CHECK(run.answers[4]["mappings"] == run.answers[3]["mappings"]);
+    }
+}

@@ -133,7 +133,7 @@ QString channelText(const InputMapping& mapping) {
             return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < 3 ? placeAxis(component) : turnAxis(component - 7));
     if (channel.startsWith(QLatin1String("blend/"))) return channel.mid(6);
     if (component < 2 && std::any_of(kKeySticks.begin(), kKeySticks.end(), [&](const KeyStick& s) { return s.name == mapping.row.channel; }))
-        return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel, placeAxis(component));
+        return channel + (component == 0 ? QStringLiteral(" ↔") : QStringLiteral(" ↕"));
     return component == 0 ? channel : MappingTexts::tr("%1, number %2", "a control").arg(channel).arg(component + 1);
 }
 
