@@ -23,7 +23,6 @@ namespace {
 
 using Clock = InputListener::Clock;
 
-constexpr double kStepSeconds = 1.0 / 60.0;
 constexpr double kLongestLive = 86400.0;  // s
 
 /// Of a source that nobody needs.
@@ -128,19 +127,20 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     double longest = kLongestLive;
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
     IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback, access.document()));
-    IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, kStepSeconds));
+    const double stepSeconds = 1.0 / access.document().settings.rate;
+    IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, stepSeconds));
     std::optional<RawInputWriter> recording;
     if (const Json* path = find(arguments, "record")) {
-        IMOMUSHI_TRY(recording, RawInputWriter::begin(path->get<std::string>(), heard.sources, kStepSeconds));
+        IMOMUSHI_TRY(recording, RawInputWriter::begin(path->get<std::string>(), heard.sources, stepSeconds));
     }
     const Interruption interruption;
     const Clock::time_point start = Clock::now();
-    const auto stepTime = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kStepSeconds));
+    const auto stepTime = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(stepSeconds));
     Clock::time_point until = start;
     InputListener listener(std::move(heard.ports));
     std::vector<double> milliseconds, processor, latency;  // of each step, by the clock and of processors; from its first packet until it was made
     std::uint64_t tooLong = 0, late = 0;
-    const auto frames = static_cast<std::size_t>(longest / kStepSeconds + 0.5);
+    const auto frames = static_cast<std::size_t>(longest / stepSeconds + 0.5);
     const auto since = [](Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
     const auto failed = [&](const Error& error) {
         performance.cancel();
@@ -186,6 +186,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
 Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress& progress) {
     IMOMUSHI_TRY(const auto path, pathFrom(arguments));
     IMOMUSHI_TRY(const auto inputs, RawInputs::read(path));
+    const double stepSeconds = 1.0 / access.document().settings.rate;
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, inputs.sources, inputs.seconds));
     const auto failed = [&](const Error& error) {
         performance.cancel();
@@ -208,7 +209,7 @@ Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress
 void addLiveCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addAction("live",
-                       "Performs the character by what devices and other programs say, 60 steps a second, by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
+                       "Performs the character by what devices and other programs say, at its rate (60 steps a second unless set), by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
                        "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/pose/NAME\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
                        {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\" or \"midi\",\"device\":its name or number (the first one),\"name\":...}: a game controller or a MIDI device, opened where a mapping names its source, plugged in and out at any time."},

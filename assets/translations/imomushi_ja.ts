@@ -3429,6 +3429,14 @@
             <source>All</source>
             <translation>すべて</translation>
         </message>
+        <message>
+            <source>%1 Hz</source>
+            <translation>%1 Hz</translation>
+        </message>
+        <message>
+            <source>Steps per second</source>
+            <translation>毎秒のステップ数</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::ElementForm</name>

@@ -97,8 +97,14 @@ Result<void> setCharacter(CharacterSettings& settings, const std::string& proper
         settings.threads = static_cast<int>(given);
         return {};
     }
+    if (property == "rate") {
+        IMOMUSHI_TRY(const auto given, numberWithin(value, property, 1, 1000));
+        if (std::ranges::find(CharacterSettings::kRates, given) == CharacterSettings::kRates.end()) return fail("bad-value", "\"rate\" must be 60, 120 or 240 steps per second.");
+        settings.rate = static_cast<int>(given);
+        return {};
+    }
     if (property == "body-follows") return assign(settings.bodyFollows, numberWithin(value, property, 0.0, CharacterSettings::kMostFollow));
-    return noSuchProperty("The character", property, "basis, format, threads and body-follows");
+    return noSuchProperty("The character", property, "basis, format, threads, rate and body-follows");
 }
 
 Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
@@ -177,7 +183,7 @@ void addPropertyCommands(CommandRegistry& registry) {
                        "Handle: radius (metres along the surface), point ([x,y,z] of the surface at rest, its middle), bone (\"bone/end\" that it hangs on, \"\": none). "
                        "Bone: min-stretch (0.01 to 1; a straight chain pushed along its axis squashes to .05 above it, then folds), max-stretch (1 to 100, of the rest length), max-bend (radians from rest against its parent, 0 to pi: no limit), max-twist (radians between its ends, 0 to 20 pi: no limit), "
                        "stiffness (0.001 to 1000, against stretch and bend, relative to other bones: the softer give way), weight (0.001 to 1000, times that of its flesh, in bone dynamics), roll (radians at rest). "
-                       "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all), body-follows (0 to 10: how much the trunk keeps the direction of rest when a limb is dragged, so that the limb moves first; 0: not at all, 1: as a character that make-soft makes alive)." + effectsHelp(),
+                       "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all), rate (60, 120 or 240: steps per second where it is performed), body-follows (0 to 10: how much the trunk keeps the direction of rest when a limb is dragged, so that the limb moves first; 0: not at all, 1: as a character that make-soft makes alive)." + effectsHelp(),
                        {{"target", Type::Text, true, "An element, a bone, a handle, an effect, or \"character\"."},
                         {"property", Type::Text, true, "The name of the property."},
                         {"value", Type::Any, true, "Its value."}},

@@ -168,6 +168,8 @@ struct CharacterSettings {
     BasisChoice basis;
     ResponseFormat format = ResponseFormat::Float;
     int threads = 0;  ///< 0: as many as the machine has
+    int rate = 60;    ///< steps per second where it is performed: one of kRates
+    static constexpr std::array<int, 3> kRates = {60, 120, 240};
     double bodyFollows = 0.0;  ///< 0...kMostFollow: how much limbs move before the trunk does, see letBodyFollow()
     static constexpr double kMostFollow = 10.0;
     bool operator==(const CharacterSettings&) const = default;

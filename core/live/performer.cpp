@@ -7,8 +7,8 @@
 
 namespace imomushi {
 
-Performer::Performer(LiveCharacter& live, double hertz, std::function<void()> stepped)
-    : live_(live), stepped_(std::move(stepped)), thread_(hertz, [this](double seconds) { return step(seconds); }) {
+Performer::Performer(LiveCharacter& live, std::function<void()> stepped)
+    : live_(live), stepped_(std::move(stepped)), thread_([this](double seconds) { return step(seconds); }) {
     live_.leaveVerticesToOthers(true);
 }
 
@@ -104,7 +104,7 @@ void Performer::start() noexcept {
         shownSettings_ = live_.settingsOfEffects();
         live_.beginPerforming();
         running_ = true;
-        thread_.run();
+        thread_.run(live_.document().settings.rate);
     } catch (const std::bad_alloc&) {
         live_.drop();  // it stands still until the next command, which says that there is no memory
     }

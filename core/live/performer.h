@@ -38,12 +38,12 @@ struct PerformedFrame {
     bool recordingEnded = false; ///< that take gets no more frames
 };
 
-/// Steps a live character on a thread of its own, at a fixed rate and only while something moves, and shows its frames to everybody else by a second character that
+/// Steps a live character on a thread of its own, at the rate of its document (CharacterSettings::rate) and only while something moves, and shows its frames to everybody else by a second character that
 /// shares its tables. Whoever wants to change the live character, or its document, parks the performer first. All functions are for one thread, that of the window.
 class Performer {
 public:
     /// `live` must outlive it. `stepped` is called on the thread after each step, must return at once and not throw.
-    Performer(LiveCharacter& live, double hertz, std::function<void()> stepped);
+    Performer(LiveCharacter& live, std::function<void()> stepped);
     ~Performer();
     Performer(const Performer&) = delete;
     Performer& operator=(const Performer&) = delete;

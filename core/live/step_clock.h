@@ -12,8 +12,9 @@ public:
     using Duration = std::chrono::steady_clock::duration;
     static constexpr int kMostAtOnce = 4;
 
-    /// `hertz` > 0: steps per second.
-    explicit StepClock(double hertz) : length_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / hertz))), seconds_(1.0 / hertz) {}
+    explicit StepClock(double hertz) { setRate(hertz); }
+    /// `hertz` > 0: steps per second. begin() must follow.
+    void setRate(double hertz) { length_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / hertz)), seconds_ = 1.0 / hertz; }
     /// s, of one step.
     [[nodiscard]] double seconds() const { return seconds_; }
     /// The first step is due at once.
@@ -26,8 +27,8 @@ public:
     [[nodiscard]] double leftOut() const { return std::chrono::duration<double>(leftOut_).count(); }
 
 private:
-    Duration length_;
-    double seconds_;
+    Duration length_{};
+    double seconds_ = 0.0;
     Time next_{};
     Duration leftOut_{};
 };

@@ -3,7 +3,7 @@
 
 namespace imomushi {
 
-StepThread::StepThread(double hertz, std::function<bool(double)> step) : step_(std::move(step)), clock_(hertz), thread_([this] { serve(); }) {}
+StepThread::StepThread(std::function<bool(double)> step) : step_(std::move(step)), clock_(60.0), thread_([this] { serve(); }) {}
 
 StepThread::~StepThread() {
     {
@@ -15,11 +15,15 @@ StepThread::~StepThread() {
     thread_.join();
 }
 
-void StepThread::run() {
+void StepThread::run(double hertz) {
     {
         const std::lock_guard lock(mutex_);
         if (running_) return;
         running_ = true;
+        if (clock_.seconds() != 1.0 / hertz) {
+            clock_.setRate(hertz);
+            rested_ = true;
+        }
         // In time with the steps before: hands that pull stop it often, and must not put off the next step each time.
         if (rested_) clock_.begin(std::chrono::steady_clock::now());
         rested_ = false;

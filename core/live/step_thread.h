@@ -15,13 +15,13 @@ namespace imomushi {
 class StepThread {
 public:
     /// `step` makes a step of so many seconds; false: everything has come to rest. It must not throw.
-    StepThread(double hertz, std::function<bool(double seconds)> step);
+    explicit StepThread(std::function<bool(double seconds)> step);
     ~StepThread();
     StepThread(const StepThread&) = delete;
     StepThread& operator=(const StepThread&) = delete;
 
-    /// Steps from now on, in time with those before unless it came to rest.
-    void run();
+    /// Makes `hertz` steps a second from now on, in time with those before unless it came to rest or made others.
+    void run(double hertz);
     /// Returns when no step is being made, and none is made before run(): waits for one step at most.
     void park();
     /// s of performance that were left out, as steps took longer than their time.

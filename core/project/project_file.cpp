@@ -45,7 +45,7 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kMappings = "mappings", *kPoses = "poses", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kRate = "rate", *kMappings = "mappings", *kPoses = "poses", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
@@ -55,6 +55,7 @@ void writeSettings(Database& db, const Document& document) {
     std::array<char, 32> follows{};
     const auto written = std::to_chars(follows.data(), follows.data() + follows.size(), document.settings.bodyFollows);
     settings.row(kBodyFollows, std::string(follows.data(), written.ptr));
+    if (document.settings.rate != CharacterSettings().rate) settings.row(kRate, std::to_string(document.settings.rate));
     settings.row(kNextId, std::to_string(document.nextId));
     if (document.mappings) settings.row(kMappings, mappingsJson(*document.mappings).dump());
     if (document.poses) settings.row(kPoses, keptPosesJson(*document.poses).dump());
@@ -89,6 +90,10 @@ void readSettings(Database& db, Document& document) {
     document.settings.threads = static_cast<int>(number(kThreads, std::int64_t{0}, std::int64_t{1024}));
     document.settings.bodyFollows = number(kBodyFollows, 0.0, CharacterSettings::kMostFollow);
     document.nextId = static_cast<PartId>(number(kNextId, std::int64_t{1}, std::int64_t{kMaxId}));
+    if (all.contains(kRate)) {
+        document.settings.rate = static_cast<int>(number(kRate, std::int64_t{1}, std::int64_t{1000}));
+        require(std::ranges::find(CharacterSettings::kRates, document.settings.rate) != CharacterSettings::kRates.end(), "the rate is unknown");
+    }
     // Projects in which nothing is mapped have no such row.
     if (const auto found = all.extract(kMappings)) {
         const Json list = Json::parse(found.mapped(), nullptr, false);

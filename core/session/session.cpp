@@ -322,7 +322,7 @@ void Session::tellOfMeetings() {
     tell(change);
 }
 
-void Session::perform(double hertz, std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, hertz, std::move(stepped)); }
+void Session::perform(std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, std::move(stepped)); }
 
 bool Session::give(const LiveInput& input) {
     if (!performer_ || !performer_->give(input)) return false;

@@ -108,9 +108,9 @@ public:
     bool moving() const;
     /// Advances by one frame (s). What "step" does `frames` times.
     void stepFrame(double seconds);
-    /// From now on a thread of its own steps frames, `hertz` times a second, while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
+    /// From now on a thread of its own steps frames while anything moves; see Performer. Whatever changes the document stops it first, for one step at most.
     /// `stepped` is called on that thread after each step, and must return at once: takeFrame() then belongs on this one.
-    void perform(double hertz, std::function<void()> stepped);
+    void perform(std::function<void()> stepped);
     /// A target for the next step, of something that is held already (LiveInput). Until the gesture ends, mappings do not move it. False: no performer runs, or its queue is full; then use a command.
     bool give(const LiveInput& input);
     /// Live input for these steps, which go on as long as it is there; see Performer::feed(). Null: no more. False: frames are not stepped on a thread of their own.

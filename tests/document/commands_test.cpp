@@ -200,6 +200,8 @@ TEST_CASE("set: every property is checked and what is not available is said") {
     CHECK(set("character", "format", "int4") == "bad-value");
     CHECK(set("character", "threads", 2) == "ok");
     CHECK(set("character", "threads", 1.5) == "bad-value");
+    CHECK(set("character", "rate", 120) == "ok");
+    CHECK(set("character", "rate", 90) == "bad-value");
     CHECK(set("gravity", "x", 1) == "no-such-property");
     CHECK(set("nothing", "x", 1) == "no-such-target");
     CHECK(w.session.document().elementNamed("A")->color.x() == 1.0f);

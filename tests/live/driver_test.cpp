@@ -169,7 +169,7 @@ TEST_CASE("live: weights of morph targets are inputs of steps: the script has th
 
 TEST_CASE("live: weights that are given while a thread steps are in the document when it is asked, and one at rest is none") {
     Puppet p;
-    p.session.perform(60.0, [] {});
+    p.session.perform([] {});
     LiveInput input;
     input.kind = LiveInput::Kind::Morph;
     input.morph = {p.session.document().characterNamed("man")->id, 1};

@@ -51,7 +51,7 @@ TEST_CASE("feed: what another thread hears is performed step by step; the packet
     Fed f;
     f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
     InputDriver again = f.driver();
-    f.session.perform(kFeedHertz, [] {});
+    f.session.perform([] {});
     f.good({{"do", "record"}, {"take", "fed"}, {"action", "start"}});
     const auto feed = std::make_shared<InputFeed>(f.driver());
     REQUIRE(f.session.performInputs(feed));
@@ -108,7 +108,7 @@ TEST_CASE("feed: what nobody holds is taken hold of by a command when it is move
     Fed f;
     const auto feed = std::make_shared<InputFeed>(f.driver());
     CHECK(!f.session.performInputs(feed));  // no thread steps
-    f.session.perform(kFeedHertz, [] {});
+    f.session.perform([] {});
     REQUIRE(f.session.performInputs(feed));
     CHECK(f.session.moving());  // steps go on while it is there
     InputValue value = packet(1).front();
@@ -131,7 +131,7 @@ TEST_CASE("feed: what nobody holds is taken hold of by a command when it is move
 TEST_CASE("feed: it is let go where the handles of the character are others; a packet that finds no room is lost whole") {
     Fed f;
     const auto feed = std::make_shared<InputFeed>(f.driver());
-    f.session.perform(kFeedHertz, [] {});
+    f.session.perform([] {});
     REQUIRE(f.session.performInputs(feed));
     CHECK(feed.use_count() == 2);
     f.good({{"do", "handle"}, {"element", "B"}, {"name", "tip"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.4}});

@@ -97,7 +97,7 @@ TEST_CASE("hearing: what is heard moves the meters of its row and the character;
     REQUIRE(port);
     const auto feed = std::make_shared<InputFeed>(f.driver());
     thread.feed(feed, nameMessages(f.session.document()));
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     REQUIRE(f.session.performInputs(feed));
     UdpSender sender(*port);
     sender.send(oscBytes("/fader", {0.5F}));
@@ -136,7 +136,7 @@ TEST_CASE("hearing: what is heard moves the meters of its row and the character;
 
 TEST_CASE("feed: what a hand has is not driven until the gesture ends; then the control drives it again, from where the hand left it") {
     HeardPuppet f;
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
     const auto feed = std::make_shared<InputFeed>(f.driver());
     REQUIRE(f.session.performInputs(feed));
@@ -176,7 +176,7 @@ TEST_CASE("hearing: a pad is heard while it is plugged in, moves what is mapped,
     HeardPuppet f;
     f.good({{"do", "map-input"}, {"source", "pad"}, {"channel", "left-y"}, {"target", "bone/b/end/y"}, {"in", {-1, 1}}, {"out", {-0.5, 0.5}}});
     f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     const auto feed = std::make_shared<InputFeed>(f.driver());
     REQUIRE(f.session.performInputs(feed));
     HearingThread thread;

@@ -67,7 +67,7 @@ bool says(InputFeed& feed, const char* channel, double number) {
 TEST_CASE("numbers: a knob drives a setting of an effect and a weight, each as one step, and undo leads back to what they were") {
     Knobs f;
     const double swing = f.swing(), fall = f.fall();
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     const auto feed = std::make_shared<InputFeed>(f.driver());
     REQUIRE(f.session.performInputs(feed));
     const auto steps = f.session.position();
@@ -106,7 +106,7 @@ TEST_CASE("numbers: a knob drives a setting of an effect and a weight, each as o
 TEST_CASE("numbers: in a gesture all that was taken hold of is one step") {
     Knobs f;
     const double swing = f.swing(), fall = f.fall();
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     const auto feed = std::make_shared<InputFeed>(f.driver());
     REQUIRE(f.session.performInputs(feed));
     const auto steps = f.session.position();
@@ -127,7 +127,7 @@ TEST_CASE("numbers: in a gesture all that was taken hold of is one step") {
 
 TEST_CASE("numbers: the script has what a knob said, and makes the same take again") {
     Knobs f;
-    f.session.perform(60.0, [] {});
+    f.session.perform([] {});
     f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.5, 0, 6}}});
     f.good({{"do", "record"}, {"take", "knobs"}, {"action", "start"}});
     const auto feed = std::make_shared<InputFeed>(f.driver());

@@ -30,7 +30,7 @@ struct Swinging {
         if (performing) perform();
     }
     void perform() {
-        w.session.perform(kHertz, [this] { ++steps; });
+        w.session.perform([this] { ++steps; });
     }
     Json end() const { return "b/end"; }
     void pull(const Vec3& to) { w.good({{"do", "drag"}, {"endpoint", end()}, {"to", {to.x(), to.y(), to.z()}}}); }
@@ -104,6 +104,30 @@ TEST_CASE("performer: steps are made in time while the window is blocked, and th
     CHECK(static_cast<int>(take.times.size()) >= made);
     for (std::size_t f = 1; f < take.times.size(); ++f)
         CHECK(take.times[f] - take.times[f - 1] == doctest::Approx(1.0 / kHertz).epsilon(1e-9));
+}
+
+TEST_CASE("performer: a project may choose 120 or 240 steps per second, also while it is performed") {
+    for (const int rate : CharacterSettings::kRates) {
+        CAPTURE(rate);
+        Swinging s;
+        s.pull(s.at() + Vec3(0.2, 0.1, 0.0));
+        s.w.good({{"do", "set"}, {"target", "character"}, {"property", "rate"}, {"value", rate}});
+        s.w.good({{"do", "record"}, {"take", "fast"}, {"action", "start"}});
+        s.pull(s.at() + Vec3(0.2, 0.2, 0.0));
+        const int before = s.steps;
+        const double leftBefore = s.w.session.performed() ? s.w.session.performed()->leftOut : 0.0;
+        const auto start = std::chrono::steady_clock::now();
+        std::this_thread::sleep_for(500ms);
+        const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const int made = s.steps - before;
+        REQUIRE(s.w.session.performed());
+        const double leftOut = s.w.session.performed()->leftOut - leftBefore;
+        CHECK(std::abs(made - rate * (passed - leftOut)) <= 4.0);
+        s.w.good({{"do", "record"}, {"take", "fast"}, {"action", "stop"}});
+        const Take& take = *s.w.session.document().takeNamed("fast");
+        REQUIRE(take.times.size() > 10);
+        for (std::size_t f = 1; f < take.times.size(); ++f) CHECK(take.times[f] - take.times[f - 1] == doctest::Approx(1.0 / rate).epsilon(1e-9));
+    }
 }
 
 TEST_CASE("performer: answers between two frames that were taken are of one frame") {
@@ -217,7 +241,7 @@ TEST_CASE("performer: a handle on flesh that rests goes where a target says") {
     w.buildChain();
     w.good({{"do", "handle"}, {"element", "B"}, {"name", "tip"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.4}});
     w.good({{"do", "precompute"}});
-    w.session.perform(kHertz, [] {});
+    w.session.perform([] {});
     const FaceRef tip = *w.session.document().handle("tip");
     const Vec3 rest = w.session.poseOf(tip)->at;
     w.good({{"do", "drag"}, {"endpoint", "tip"}, {"to", {rest.x(), rest.y(), rest.z()}}});

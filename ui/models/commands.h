@@ -121,6 +121,7 @@ namespace character {
 inline constexpr const char* kTarget = "character";
 inline constexpr Property<std::string> kBasis{"basis"}, kFormat{"format"};
 inline constexpr Property<double> kBodyFollows{"body-follows"};                             ///< 0: limbs and trunk move alike
+inline constexpr Property<int> kRate{"rate"};                                               ///< one of CharacterSettings::kRates
 inline constexpr Property<int> kThreads{"threads"};                                         ///< 0: all
 }  // namespace character
 

@@ -26,7 +26,6 @@ bool changesMore(const CommandRegistry& registry, const Json& command) {
 }
 
 /// Steps of a performance per second.
-constexpr double kHertz = 60.0;
 constexpr int kPaceMs = 1000;
 
 void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
@@ -107,7 +106,7 @@ Project StudioDocument::project() { return session_.project(); }
 
 void StudioDocument::perform() {
     performing_ = true;
-    session_.perform(kHertz, [this] { askForFrame(); });
+    session_.perform([this] { askForFrame(); });
     askForFrame();
 }
 

@@ -9,7 +9,6 @@
 namespace imomushi {
 namespace {
 
-constexpr double kLiveFrame = 1.0 / 60.0;  // s
 constexpr int kCount = 3;                  // s before a recording
 
 }  // namespace
@@ -162,7 +161,7 @@ void TakeDeck::leave() {
     playing_ = false;
     if (document_.session().showsTake()) {
         acting_ = true;
-        document_.stepFrame(kLiveFrame);
+        document_.stepFrame(1.0 / document_.document().settings.rate);
         acting_ = false;
     }
     shown_ = false;

@@ -31,6 +31,9 @@ CharacterForm::CharacterForm(StudioDocument& document, QWidget* parent) : Inspec
     std::vector<std::pair<QString, int>> threads = {{tr("All (%1)").arg(hardwareThreads()), 0}};
     for (int n = 1; n <= hardwareThreads(); ++n) threads.emplace_back(QString::number(n), n);
     addChoice<int>(tr("Threads"), threads, [this] { return now().settings.threads; }, choose(commands::character::kThreads));
+    std::vector<std::pair<QString, int>> rates;
+    for (const int rate : CharacterSettings::kRates) rates.emplace_back(tr("%1 Hz").arg(rate), rate);
+    addChoice<int>(tr("Steps per second"), rates, [this] { return now().settings.rate; }, choose(commands::character::kRate));
 
     addNumber(tr("Trunk stays upright"), {{}, 0.0, CharacterSettings::kMostFollow, 0.01, 2, 1.0, 0.0}, {SelectionItem{}},
               [this](const SelectionItem&) { return std::optional(now().settings.bodyFollows); },
