@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
+#include <string>
 #include <thread>
 
 #include "core/document/character_input.h"
@@ -128,6 +130,53 @@ TEST_CASE("performer: a project may choose 120 or 240 steps per second, also whi
         REQUIRE(take.times.size() > 10);
         for (std::size_t f = 1; f < take.times.size(); ++f) CHECK(take.times[f] - take.times[f - 1] == doctest::Approx(1.0 / rate).epsilon(1e-9));
     }
+}
+
+TEST_CASE("performance: one of 200 elements that swing is edited: no other moves at all, and the next step goes on as the one before") {
+    Swinging s(false);
+    Workbench& w = s.w;
+    const Document& document = w.session.document();
+    while (document.elements.size() < 200) {
+        Json names = Json::array();
+        for (const auto& [id, element] : document.elements)
+            if (names.size() < 200 - document.elements.size()) names.push_back(element->name);
+        w.good({{"do", "duplicate"}, {"names", names}, {"offset", {3.0 * static_cast<double>(document.elements.size()), 0.0, 0.0}}});
+    }
+    REQUIRE(document.elements.size() == 200);
+    REQUIRE(document.bones.size() == 200);
+    std::size_t chain = 0;
+    for (const auto& [id, bone] : document.bones) {
+        if (chain++ % 10 != 1) continue;  // the second bone of every fifth chain
+        const std::string end = bone->name + "/end";
+        const Json at = w.good({{"do", "measure"}, {"what", "position"}, {"endpoint", end}})["value"];
+        w.good({{"do", "drag"}, {"endpoint", end}, {"to", {at[0].get<double>() + 0.5, at[1].get<double>() + 0.4, at[2].get<double>()}}});
+    }
+    const auto positions = [&] {
+        std::map<PartId, Points> all;
+        for (const auto& [id, element] : document.elements) all[id] = w.session.positionsOf(id);
+        return all;
+    };
+    const auto farthest = [](const std::map<PartId, Points>& a, const std::map<PartId, Points>& b, PartId but) {
+        double far = 0.0;
+        for (const auto& [id, p] : a)
+            if (id != but) far = std::max(far, (p - b.at(id)).rowwise().norm().maxCoeff());
+        return far;
+    };
+    for (int i = 0; i < 8; ++i) w.session.stepFrame(1.0 / kHertz);
+    const auto first = positions();
+    w.session.stepFrame(1.0 / kHertz);
+    const auto before = positions();
+    const double usual = farthest(first, before, 0);
+    REQUIRE(usual > 1e-4);
+    const Element& last = *document.elements.rbegin()->second;
+    const PartId edited = last.id;
+    w.good({{"do", "set"}, {"target", std::string(last.name)}, {"property", "nu"}, {"value", 0.3}});
+    CHECK(farthest(before, positions(), edited) == 0.0);
+    w.session.stepFrame(1.0 / kHertz);
+    const double next = farthest(before, positions(), edited);
+    MESSAGE("steps of " << usual << " m before, " << next << " m after");
+    CHECK(next < 1.5 * usual);
+    CHECK(next > 0.5 * usual);
 }
 
 TEST_CASE("performer: answers between two frames that were taken are of one frame") {
