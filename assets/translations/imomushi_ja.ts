@@ -6957,6 +6957,34 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Silent after so many seconds; 0: never.</source>
             <translation>この秒数で無音とみなします。0：みなしません。</translation>
         </message>
+        <message>
+            <source>Spring</source>
+            <translation>ばね</translation>
+        </message>
+        <message>
+            <source>What is driven hangs on a spring that swings so fast; 0: no spring.</source>
+            <translation>動かすものが、この速さで揺れるばねにつながります。0：ばねなし。</translation>
+        </message>
+        <message>
+            <source>Damping of the spring</source>
+            <translation>ばねの減衰</translation>
+        </message>
+        <message>
+            <source>Damping: at 100 % it does not swing beyond.</source>
+            <translation>減衰。100 % では行き過ぎません。</translation>
+        </message>
+        <message>
+            <source>Other side</source>
+            <translation>反対側</translation>
+        </message>
+        <message>
+            <source>The same part of the other side does the same, mirrored, where no row of its own drives it.</source>
+            <translation>反対側の同じものも、鏡写しに同じことをします。それを動かす行がほかにあれば、そちらが勝ちます。</translation>
+        </message>
+        <message>
+            <source>What this row drives has no other side: names of sides end in .L and .R, or say left and right.</source>
+            <translation>この行が動かすものには、反対側がありません。反対側のあるものの名前は、.L や .R で終わるか、left や right を含みます。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::MappingModel</name>

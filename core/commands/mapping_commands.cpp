@@ -137,6 +137,9 @@ void addMappingCommands(CommandRegistry& registry) {
                         {"after", Type::Number, false, "Seconds after which a source counts as silent, up to 3600; 0: never (0)."},
                         {"mute", Type::Boolean, false, "It drives nothing (false)."},
                         {"toggle", Type::Boolean, false, "A press puts it at the end of its range, the next one at the beginning again (false). A press passes the middle of the range upwards."},
+                        {"spring", Type::Number, false, "Hz, up to 20: what it drives hangs on a spring, swings beyond and comes to rest; 0: none (0)."},
+                        {"spring_damping", Type::Number, false, "Of the spring, a ratio, 0.05 to 1: does not swing beyond (0.4)."},
+                        {"mirror", Type::Boolean, false, "The same part of the other side, by its name (.L and .R, left and right), does the same, mirrored in x, where no row of its own drives it (false)."},
                         {"solo", Type::Boolean, false, "Rows that are not solo are muted (false)."},
                         {"position", Type::Integer, false, "Its place in the table, from 0 (where it is, a new one at the end)."}},
                        mapInput);

@@ -8,6 +8,7 @@
 #include "core/document/command_support.h"
 #include "core/document/kept_pose.h"
 #include "core/document/morph_weights.h"
+#include "core/document/side_names.h"
 #include "core/mesh/render_model.h"
 
 namespace imomushi {
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kSilences = {"hold", "rest", "next"};
 constexpr std::array<std::string_view, 3> kPlaces = {"x", "y", "z"}, kTurns = {"turn-x", "turn-y", "turn-z"};
-constexpr std::array<std::string_view, 14> kKeys = {"source", "channel", "component", "target", "in", "out", "exponent", "dead_zone", "hertz", "reaction", "silence", "after", "mute", "toggle"};
+constexpr std::array<std::string_view, 17> kKeys = {"source", "channel", "component", "target", "in", "out", "exponent", "dead_zone", "hertz", "reaction", "silence", "after", "mute", "toggle", "spring", "spring_damping", "mirror"};
 constexpr const char* kSolo = "solo";
 constexpr auto kFileKey = "imomushi-mappings";
 constexpr int kFileVersion = 1;
@@ -165,6 +166,23 @@ Result<MappedTarget> mappedTarget(const Document& document, std::string_view tex
     return made;
 }
 
+std::string otherSideOfTarget(std::string_view target) {
+    const auto [kind, path] = divided(target);
+    const auto [name, rest] = divided(path);
+    const bool morph = kind == "morph";
+    if (kind != "bone" && kind != "handle" && kind != "pose" && !morph) return {};
+    const std::string_view sided = morph ? rest : name;
+    const std::string other = otherSide(sided);
+    if (other == sided) return {};
+    return std::string(kind) + "/" + (morph ? std::string(name) + "/" + other : other + "/" + std::string(rest));
+}
+
+double mirrorSign(const MappedTarget& target) {
+    using Kind = MappedTarget::Kind;
+    const bool place = target.kind == Kind::HandlePlace || target.kind == Kind::EndPlace, turn = target.kind == Kind::HandleTurn || target.kind == Kind::BoneTurn;
+    return (place && target.axis == 0) || (turn && target.axis != 0) || target.kind == Kind::EndRoll ? -1.0 : 1.0;
+}
+
 Json mappingJson(const InputMapping& mapping) {
     const InputRow& row = mapping.row;
     return Json{{"source", row.source},
@@ -181,6 +199,9 @@ Json mappingJson(const InputMapping& mapping) {
                 {"after", row.after},
                 {"mute", row.muted},
                 {"toggle", row.toggles},
+                {"spring", row.spring.hertz},
+                {"spring_damping", row.spring.damping},
+                {"mirror", mapping.mirrored},
                 {kSolo, mapping.solo}};
 }
 
@@ -208,15 +229,16 @@ Result<InputMapping> mappingFrom(const Json& value) {
     if (auto ok = readRange(value, "out", largest, curve.outLow, curve.outHigh); !ok) return tl::unexpected(ok.error());
     if (std::max(std::abs(curve.outLow), std::abs(curve.outHigh)) > largest) return fail("bad-value", "\"out\" of this mapping is needed: its \"in\" is more than its target can be.");
     for (const auto& [key, high, to] : {std::tuple("dead_zone", InputMapping::kLargestDeadZone, &curve.deadZone), std::tuple("hertz", InputMapping::kLargestHertz, &row.filter.hertz),
-                                        std::tuple("reaction", InputMapping::kLargestHertz, &row.filter.reaction), std::tuple("after", InputMapping::kLongestAfter, &row.after)})
+                                        std::tuple("reaction", InputMapping::kLargestHertz, &row.filter.reaction), std::tuple("after", InputMapping::kLongestAfter, &row.after), std::tuple("spring", InputMapping::kFastestSpring, &row.spring.hertz)})
         if (auto ok = readNumber(value, key, 0.0, high, *to); !ok) return tl::unexpected(ok.error());
     if (auto ok = readNumber(value, "exponent", 1.0 / InputMapping::kLargestExponent, InputMapping::kLargestExponent, curve.exponent); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readNumber(value, "spring_damping", Spring::kLeastDamping, 1.0, row.spring.damping); !ok) return tl::unexpected(ok.error());
     if (const Json* given = find(value, "silence")) {
         const int index = given->is_string() ? indexIn(kSilences, given->get_ref<const std::string&>()) : -1;
         if (index < 0) return fail("bad-value", "\"silence\" of a mapping is \"hold\", \"rest\" or \"next\".");
         row.silence = static_cast<InputRow::Silence>(index);
     }
-    for (const auto& [key, to] : {std::pair("mute", &row.muted), std::pair("toggle", &row.toggles), std::pair(kSolo, &made.solo)})
+    for (const auto& [key, to] : {std::pair("mute", &row.muted), std::pair("toggle", &row.toggles), std::pair("mirror", &made.mirrored), std::pair(kSolo, &made.solo)})
         if (auto ok = readFlag(value, key, *to); !ok) return tl::unexpected(ok.error());
     return made;
 }

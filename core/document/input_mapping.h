@@ -15,10 +15,11 @@ namespace imomushi {
 struct InputMapping {
     static constexpr std::size_t kMost = 1024;      ///< rows of a table
     static constexpr std::size_t kLongestTarget = 4096;  ///< bytes
-    static constexpr double kLargestExponent = 16.0, kLargestDeadZone = 0.99, kLargestHertz = 1000.0, kLongestAfter = 3600.0;
+    static constexpr double kLargestExponent = 16.0, kLargestDeadZone = 0.99, kLargestHertz = 1000.0, kLongestAfter = 3600.0, kFastestSpring = 20.0;
     InputRow row;        ///< without its slot
     std::string target;  ///< see mappedTarget()
     bool solo = false;   ///< where one row is, those that are not are muted
+    bool mirrored = false;  ///< the same part of the other side (otherSide()) does the same, mirrored in x, where no other row drives it
     bool operator==(const InputMapping&) const = default;
     /// The same control drives the same target: a table has one such row.
     [[nodiscard]] bool sameLine(const InputMapping& o) const { return row.source == o.row.source && row.channel == o.row.channel && row.component == o.row.component && target == o.target; }
@@ -42,6 +43,11 @@ struct MappedTarget {
 /// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "pose/NAME/weight", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
 /// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", "no-such-pose", and of names those of handleNamed(), Document::endpoint() and morphOf().
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
+
+/// The same of the part on the other side, by its name; empty: it has no side.
+std::string otherSideOfTarget(std::string_view target);
+/// -1 where what is mirrored in x goes the other way: x of a place, y and z of a turn, and roll.
+double mirrorSign(const MappedTarget& target);
 
 /// As commands, projects and files of mappings write a row; all keys but source, channel and target may be left out. Errors: "bad-type", "bad-value", "missing-key", "unknown-key".
 Json mappingJson(const InputMapping& mapping);

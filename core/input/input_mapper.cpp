@@ -58,7 +58,10 @@ void InputMapper::step(double seconds) {
         heard.returned = false;
         if (heard.fresh) {
             heard.returned = heard.silent || heard.gone;
-            if (!heard.known || heard.returned) heard.filtered.restart(heard.meant);  // what it knew is too old
+            if (!heard.known || heard.returned) {  // what it knew is too old
+                heard.filtered.restart(heard.meant);
+                heard.sprung.restart(row.curve.at(heard.meant));
+            }
             heard.known = true;
             heard.silent = heard.fresh = heard.gone = false;
             heard.age = 0.0;
@@ -66,7 +69,7 @@ void InputMapper::step(double seconds) {
             heard.age += seconds;
             heard.silent = heard.gone || (row.after > 0.0 && heard.age > row.after);
         }
-        if (heard.known) heard.value = row.curve.at(heard.filtered.follow(heard.meant, seconds, row.filter));
+        if (heard.known) heard.value = heard.sprung.follow(row.curve.at(heard.filtered.follow(heard.meant, seconds, row.filter)), seconds, row.spring);
     }
     for (std::size_t s = 0; s < slots_.size(); ++s) {
         Slot& slot = slots_[s];

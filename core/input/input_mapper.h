@@ -10,6 +10,7 @@
 #include "core/input/input_value.h"
 #include "core/input/one_euro_filter.h"
 #include "core/input/response_curve.h"
+#include "core/input/spring_filter.h"
 
 namespace imomushi {
 
@@ -20,6 +21,7 @@ struct InputRow {
     int slot = 0;               ///< what it drives: 0 ... slots - 1, see InputMapper
     ResponseCurve curve;
     OneEuro filter;             ///< of the control, before the curve
+    Spring spring;              ///< of what the curve makes of it
     /// What happens where its source has been silent for `after` seconds.
     enum class Silence { Hold, Rest, Next } silence = Silence::Hold;  ///< stays; glides to rest; the next row of the slot drives it
     double after = 0.0;         ///< s; 0: it is silent only where its device is plugged out (a stick that is not moved says nothing)
@@ -81,6 +83,7 @@ private:
         double meant = 0.0;    // raw, or the end of the range where the last press has put it
         bool pressed = false, on = false;
         FilteredNumber filtered;
+        SprungNumber sprung;
         std::uint64_t count = 0;
         double age = 0.0;      // s, since the last value
         bool known = false;    // something was heard since letGo()

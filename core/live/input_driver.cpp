@@ -287,6 +287,16 @@ struct InputDriver::Tables {
             add(row, *target);
             if (rows.size() > before) rowOf.back() = static_cast<int>(before);
         }
+        // Behind all others: who maps the other side means it.
+        for (const InputMapping& mapping : *document.mappings) {
+            if (!mapping.mirrored) continue;
+            const auto target = mappedTarget(document, otherSideOfTarget(mapping.target));
+            if (!target) continue;
+            InputRow row = heardRow(mapping, solo);
+            row.curve.outLow *= mirrorSign(*target);
+            row.curve.outHigh *= mirrorSign(*target);
+            add(row, *target);
+        }
     }
 
     void addDirectNames(std::span<const std::string> sources) {

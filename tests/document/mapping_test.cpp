@@ -121,7 +121,7 @@ TEST_CASE("mappings: rows follow what gets another name, and wait for what is re
 
 TEST_CASE("mappings: a project and a file of mappings give the same rows back, to the bit") {
     Mapped w;
-    w.good(w.map("/x", "handle/tip/x", {{"in", {-0.1, 1.0 / 3.0}}, {"out", {1e-7, -2}}, {"exponent", 1.7}, {"dead_zone", 0.1}, {"hertz", 1.5}, {"reaction", 0.01}, {"silence", "rest"}, {"after", 0.5}, {"mute", true}, {"solo", true}, {"component", 2}}));
+    w.good(w.map("/x", "handle/tip/x", {{"in", {-0.1, 1.0 / 3.0}}, {"out", {1e-7, -2}}, {"exponent", 1.7}, {"dead_zone", 0.1}, {"hertz", 1.5}, {"reaction", 0.01}, {"silence", "rest"}, {"after", 0.5}, {"spring", 2.5}, {"spring_damping", 0.3}, {"mirror", true}, {"mute", true}, {"solo", true}, {"component", 2}}));
     w.good(w.map("/ら", "morph/man/smile/left", {{"silence", "next"}}));
     const InputMappings made = w.table();
     const auto project = Workbench::folder() / "mapped.imomushi", file = Workbench::folder() / "mapped.json";

@@ -195,6 +195,38 @@ TEST_CASE("live: weights that are given while a thread steps are in the document
     CHECK(p.session.document().morphs.empty());
 }
 
+TEST_CASE("driver: a row that is mirrored moves the other side, too, by names of sides; a row of that side wins, and what has no side stays alone") {
+    Puppet p;
+    for (const auto& [name, x] : {std::pair("hand.L", 0.5), std::pair("hand.R", -0.5)}) p.good({{"do", "handle"}, {"element", "B"}, {"name", name}, {"point", {x, 0.0, 5.2}}, {"radius", 0.15}});
+    REQUIRE(p.session.builtCharacter());
+    p.map("wave", "handle/hand.L/x", {{"mirror", true}});
+    p.map("wave", "handle/hand.L/y", {{"mirror", true}});
+    p.map("lift", "handle/hand.R/y", {});
+    p.map("wave", "handle/tip/y", {{"mirror", true}});
+    InputDriver driver = p.driver();
+    CHECK(driver.take(valueOf("face", "wave", {0.3})));
+    std::map<int, Vec3> last;
+    const auto run = [&] {
+        for (int i = 0; i < 30; ++i)
+            for (const LiveInput& input : driver.step(kStep)) last[input.handle] = input.target;
+    };
+    run();
+    const auto indexOf = [&](const char* name) { return p.session.plan().handleIndex(*handleNamed(p.session.document(), name)); };
+    const auto restOf = [&](const char* name) { return faceOf(p.session.document(), *handleNamed(p.session.document(), name)).frame.origin; };
+    CHECK((last.at(indexOf("hand.L")) - restOf("hand.L") - Vec3(0.3, 0.3, 0.0)).norm() < 1e-12);
+    CHECK((last.at(indexOf("hand.R")) - restOf("hand.R") - Vec3(-0.3, 0.3, 0.0)).norm() < 1e-12);
+    CHECK(driver.take(valueOf("face", "lift", {-0.1})));
+    run();
+    CHECK((last.at(indexOf("hand.R")) - restOf("hand.R") - Vec3(-0.3, 0.0, 0.0)).norm() < 1e-12);  // "in" begins at 0
+    CHECK(otherSideOfTarget("handle/tip/y").empty());
+    CHECK(otherSideOfTarget("bone/arm.L/turn-x") == "bone/arm.R/turn-x");
+    CHECK(otherSideOfTarget("morph/man/blinkLeft") == "morph/man/blinkRight");
+    CHECK(otherSideOfTarget("effect/gravity/acceleration/y").empty());
+    CHECK(mirrorSign(*mappedTarget(p.session.document(), "handle/hand.L/turn-y")) == -1.0);
+    CHECK(mirrorSign(*mappedTarget(p.session.document(), "handle/hand.L/turn-x")) == 1.0);
+    CHECK(mirrorSign(*mappedTarget(p.session.document(), "bone/b/end/roll")) == -1.0);
+}
+
 TEST_CASE("driver: taking and stepping allocate nothing") {
     Puppet p;
     p.map("x", "handle/tip/x");

@@ -15,6 +15,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/elided_label.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/switch.h"
 
 namespace imomushi {
 namespace {
@@ -140,7 +141,13 @@ void MappingForm::rebuild() {
     addNumber(3, 2, tr("Reaction"), "reaction", tr("Reaction: the more, the sooner fast motion is followed (Hz per unit of the control and second)."), spec(0.0, InputMapping::kLargestHertz, 0.05, 2, {}, 1.0, 0.0),
               [](const InputMapping& m) { return m.row.filter.reaction; }, [](InputMapping& m, double v) { m.row.filter.reaction = v; });
 
-    label(4, 0, tr("In silence"));
+    label(4, 0, tr("Spring"));
+    addNumber(4, 1, tr("Spring"), "spring", tr("What is driven hangs on a spring that swings so fast; 0: no spring."), spec(0.0, InputMapping::kFastestSpring, 0.05, 1, QStringLiteral("Hz"), 1.0, 0.0), [](const InputMapping& m) { return m.row.spring.hertz; },
+              [](InputMapping& m, double v) { m.row.spring.hertz = v; });
+    addNumber(4, 2, tr("Damping of the spring"), "springDamping", tr("Damping: at 100 % it does not swing beyond."), spec(Spring::kLeastDamping, 1.0, 0.5, 0, QStringLiteral("%"), 100.0, Spring().damping), [](const InputMapping& m) { return m.row.spring.damping; },
+              [](InputMapping& m, double v) { m.row.spring.damping = v; });
+
+    label(5, 0, tr("In silence"));
     silence_ = named(new QComboBox(body_), "silence");
     silence_->addItems({tr("Holds"), tr("Glides to rest"), tr("Next row")});
     silence_->setAccessibleName(tr("In silence"));
@@ -149,11 +156,11 @@ void MappingForm::rebuild() {
     silence_->setSizePolicy(QSizePolicy::Ignored, silence_->sizePolicy().verticalPolicy());
     connect(silence_, &QComboBox::activated, this, [this](int i) { execute([i](InputMapping& m) { m.row.silence = InputRow::Silence(i); }); });
     refreshers_.push_back([this](const InputMapping& m) { silence_->setCurrentIndex(int(m.row.silence)); });
-    grid_->addWidget(silence_, 4, 1);
-    addNumber(4, 2, tr("Silent after"), "after", tr("Silent after so many seconds; 0: never."), spec(0.0, InputMapping::kLongestAfter, 0.05, 1, QStringLiteral("s"), 1.0, 0.0), [](const InputMapping& m) { return m.row.after; },
+    grid_->addWidget(silence_, 5, 1);
+    addNumber(5, 2, tr("Silent after"), "after", tr("Silent after so many seconds; 0: never."), spec(0.0, InputMapping::kLongestAfter, 0.05, 1, QStringLiteral("s"), 1.0, 0.0), [](const InputMapping& m) { return m.row.after; },
               [](InputMapping& m, double v) { m.row.after = v; });
 
-    label(5, 0, tr("A press"));
+    label(6, 0, tr("A press"));
     auto* press = named(new QComboBox(body_), "press");
     press->addItems({tr("Counts while it is held"), tr("Switches on and off")});
     press->setAccessibleName(tr("A press"));
@@ -162,7 +169,17 @@ void MappingForm::rebuild() {
     press->setEnabled(!target.trigger);
     connect(press, &QComboBox::activated, this, [this](int i) { execute([i](InputMapping& m) { m.row.toggles = i == 1; }); });
     refreshers_.push_back([press](const InputMapping& m) { press->setCurrentIndex(m.row.toggles ? 1 : 0); });
-    grid_->addWidget(press, 5, 1, 1, 2);
+    grid_->addWidget(press, 6, 1, 1, 2);
+
+    label(7, 0, tr("Other side"));
+    auto* mirror = named(new Switch(body_), "mirror");
+    mirror->setAccessibleName(tr("Other side"));
+    const bool sided = !otherSideOfTarget(line_.target).empty();
+    mirror->setEnabled(sided);
+    mirror->setToolTip(sided ? tr("The same part of the other side does the same, mirrored, where no row of its own drives it.") : tr("What this row drives has no other side: names of sides end in .L and .R, or say left and right."));
+    connect(mirror, &Switch::clicked, this, [this] { execute([](InputMapping& m) { m.mirrored = !m.mirrored; }); });
+    refreshers_.push_back([mirror](const InputMapping& m) { mirror->setChecked(m.mirrored); });
+    grid_->addWidget(mirror, 7, 1, Qt::AlignLeft);
     for (const int column : {1, 2}) grid_->setColumnStretch(column, 1);
 
     fill(new QVBoxLayout(body_), QMargins(0, 0, 0, 0), Spacing{px(6)}, title_, grid_, conflict_, Stretch{});
