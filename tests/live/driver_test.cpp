@@ -6,6 +6,8 @@
 #include <set>
 #include <thread>
 
+#include "core/document/command_support.h"
+#include "core/document/input_mapping.h"
 #include "core/input/input_decoder.h"
 #include "core/input/osc_packet.h"
 #include "core/live/direct_names.h"
