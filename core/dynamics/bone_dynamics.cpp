@@ -134,6 +134,27 @@ void BoneDynamics::State::reset(const Pose& pose) {
     writePose(body, last);
 }
 
+bool BoneDynamics::State::takeMotion(const State& of) {
+    const auto sameBone = [](const Skeleton::Bone& a, const Skeleton::Bone& b) { return a.start == b.start && a.end == b.end && a.parent == b.parent; };
+    if (skeleton.points != of.skeleton.points || springs.limitsBends() != of.springs.limitsBends() || !std::ranges::equal(skeleton.bones, of.skeleton.bones, sameBone)) return false;
+    body = of.body;
+    last = of.last;
+    frameStart = of.frameStart;
+    frameEnd = of.frameEnd;
+    kinematic = of.kinematic;
+    out = of.out;
+    phase = of.phase;
+    held = of.held;
+    heldNow = of.heldNow;
+    pointing = of.pointing;
+    pointingNow = of.pointingNow;
+    warnings = of.warnings;
+    unseen = -1.0;
+    prepare();
+    energy = energyOf(body.x, body.v, last);
+    return true;
+}
+
 void BoneDynamics::State::writePose(const Body& from, const BoneTargets& targets) {
     out.points = from.x;
     out.roll = from.roll;
@@ -288,6 +309,7 @@ Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
     return {};
 }
 
+bool BoneDynamics::takeMotion(const BoneDynamics& of) { return state_->takeMotion(*of.state_); }
 void BoneDynamics::reset(const Pose& pose) { state_->reset(pose); }
 void BoneDynamics::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) { state_->step(seconds, kinematic, goals); }
 void BoneDynamics::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) { state_->seeFlesh(flesh, points); }

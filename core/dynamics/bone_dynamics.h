@@ -84,6 +84,9 @@ public:
     /// Stops at `pose`, from where the kinematic pose then moves on. One that does not fit counts as the pose of rest.
     void reset(const Pose& pose);
 
+    /// Goes on with the motion of another one, whose masses and settings may differ. False: its skeleton is another one, and nothing changes.
+    bool takeMotion(const BoneDynamics& of);
+
     static constexpr double kStep = 1.0 / 240.0;       ///< s
     static constexpr double kMaxSeconds = 0.25;       ///< s, of motion per step()
     /// One frame: `seconds` pass (>= 0), in which the kinematic pose moves evenly from the last one to `kinematic` and the points of `goals` are held.

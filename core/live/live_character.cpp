@@ -89,7 +89,7 @@ Result<void> LiveCharacter::build() {
     shownTake_.reset();
     // Where flesh meets while a body moves, it goes on: only answers of its elements are others.
     const auto sameParts = [&](const KnownPlan& k) { return k.elements == document().elements && k.joints == document().joints && k.bones == document().bones; };
-    if (!waitsToMeet(document().effects, EffectKind::Contact) || knownPlans_.empty() || !sameParts(knownPlans_.back())) performance_.reset();
+    if (!waitsToMeet(document().effects, EffectKind::Contact) || knownPlans_.empty() || !sameParts(knownPlans_.back())) formerPerformance_ = std::exchange(performance_, std::nullopt);
     const auto planned = planOf(document());
     if (!planned) {
         character_.reset();
@@ -140,6 +140,7 @@ Result<void> LiveCharacter::prepare() {
     tuned_.reset();
     ++tunes_;
     if (!Performance::wanted(effects)) {
+        formerPerformance_.reset();
         performance_.reset();
         return {};
     }
@@ -148,9 +149,12 @@ Result<void> LiveCharacter::prepare() {
     if (performance_ && performance_->isDynamic() == dynamic && performance_->hasGround() == effects.has(EffectKind::Ground)) return performance_->set(effects);
     performance_.reset();
     IMOMUSHI_TRY(performance_, Performance::build(document(), plan_));
+    // What swings goes on where an element was edited.
+    const auto former = std::exchange(formerPerformance_, std::nullopt);
+    const bool goesOn = former && performance_->takeMotion(*former);
     seeFlesh();
     collectGoals();
-    performance_->reset(posed(), goals_);
+    if (!goesOn) performance_->reset(posed(), goals_);
     return {};
 }
 

@@ -248,6 +248,7 @@ private:
     bool valid_ = false;                 // character_ or error_ is that of the document
     std::uint64_t responsesSeen_ = 0;    // revision of the store
     std::optional<Performance> performance_;  // where effects want one
+    std::optional<Performance> formerPerformance_;  // until the next one is built
     bool performanceValid_ = false;
 
     std::vector<IkGoal> goals_;

@@ -199,11 +199,12 @@ TEST_CASE("live: weights that are given while a thread steps are in the document
 
 TEST_CASE("driver: a row that is mirrored moves the other side, too, by names of sides; a row of that side wins, and what has no side stays alone") {
     Puppet p;
-    for (const auto& [name, x] : {std::pair("hand.L", 0.5), std::pair("hand.R", -0.5)}) p.good({{"do", "handle"}, {"element", "B"}, {"name", name}, {"point", {x, 0.0, 5.2}}, {"radius", 0.15}});
+    p.good({{"do", "handle"}, {"element", "A"}, {"name", "hand.L"}, {"point", {0.5, 0.0, 1.5}}, {"radius", 0.4}});
+    p.good({{"do", "handle"}, {"element", "A"}, {"name", "hand.R"}, {"point", {-0.5, 0.0, 1.5}}, {"radius", 0.4}});
     REQUIRE(p.session.builtCharacter());
     p.map("wave", "handle/hand.L/x", {{"mirror", true}});
     p.map("wave", "handle/hand.L/y", {{"mirror", true}});
-    p.map("lift", "handle/hand.R/y", {});
+    p.map("lift", "handle/hand.R/y");
     p.map("wave", "handle/tip/y", {{"mirror", true}});
     InputDriver driver = p.driver();
     CHECK(driver.take(valueOf("face", "wave", {0.3})));
