@@ -112,12 +112,12 @@
             <translation>静止姿勢に戻す(&amp;R)</translation>
         </message>
         <message>
-            <source>&amp;Hide the selected elements</source>
-            <translation>選択した要素を隠す(&amp;H)</translation>
+            <source>&amp;Hide what is selected</source>
+            <translation>選択したものを隠す(&amp;H)</translation>
         </message>
         <message>
-            <source>&amp;Show all elements</source>
-            <translation>すべての要素を表示(&amp;S)</translation>
+            <source>&amp;Show everything</source>
+            <translation>すべてを表示(&amp;S)</translation>
         </message>
         <message>
             <source>Frame &amp;all</source>
@@ -1199,8 +1199,8 @@
             <translation>そのような設定はありません。</translation>
         </message>
         <message>
-            <source>There is no element, bone, handle or effect of that name.</source>
-            <translation>その名前の要素、ボーン、ハンドル、エフェクトはありません。</translation>
+            <source>There is no element, bone, joint face, handle, cut or effect of that name.</source>
+            <translation>その名前の要素、ボーン、関節面、ハンドル、切断、エフェクトはありません。</translation>
         </message>
         <message>
             <source>This end of a bone or handle is not held.</source>
@@ -4209,10 +4209,6 @@
         <message>
             <source>It has no skeleton. “Import skeleton” adds one.</source>
             <translation>骨格がありません。「骨格を読み込む」で加えられます。</translation>
-        </message>
-        <message>
-            <source>Select an element first.</source>
-            <translation>先に要素を選んでください。</translation>
         </message>
         <message>
             <source>Select two joint faces: click one, then Shift+click the other.</source>

@@ -204,7 +204,7 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
         }
         IMOMUSHI_TRY(auto made, handleFace(element, changed.point, changed.radius, handle.face));
         if (property == "point") changed.point = nearestOnSurface(element.mesh->body, changed.point).point;
-        made.name = handle.face;
+        made.takeNameFrom(face);
         // Motions stay what they are; they are told by where the middle goes, which is another one now.
         const Vec3 step = made.frame.origin - face.frame.origin;
         if (const auto goal = document.handleGoals.find(handle); goal != document.handleGoals.end())
@@ -214,7 +214,7 @@ Result<void> setHandleProperty(Document& document, const FaceRef& handle, const 
         if (!value.is_string()) return fail("bad-type", "\"bone\" must be a text: \"bone/start\" or \"bone/end\", or \"\" for none.");
         IMOMUSHI_TRY(changed.bone, boneFrom(document, value.get_ref<const std::string&>()));
     } else {
-        return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius, point and bone.");
+        return fail("no-such-property", "A handle has no property \"" + property + "\"; it has radius, point, bone, visible and locked.");
     }
     exchangePart(document.elements, handle.element, [&](Element& to) {
         to.faces[static_cast<std::size_t>(to.faceIndex(handle.face))] = std::move(face);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
+#include <optional>
 
 #include "core/base/colour.h"
 #include "core/commands/core_commands.h"
@@ -44,6 +45,14 @@ Result<void> noSuchProperty(const std::string& what, const std::string& property
     return fail("no-such-property", what + " has no property \"" + property + "\"; it has " + known + ".");
 }
 
+/// "visible" or "locked" of a part; none: it is neither.
+template <class Part>
+std::optional<Result<void>> setShown(Part& part, const std::string& property, const Json& value) {
+    if (property == "visible") return assign(part.visible, boolean(value, property));
+    if (property == "locked") return assign(part.locked, boolean(value, property));
+    return std::nullopt;
+}
+
 Result<void> setElement(Element& element, const std::string& property, const Json& value) {
     const auto number = [&](double& to, double low, double high) { return assign(to, numberWithin(value, property, low, high)); };
     if (property == "nu") return number(element.nu, 0.0, 0.5);
@@ -57,8 +66,7 @@ Result<void> setElement(Element& element, const std::string& property, const Jso
         preset->apply(element);
         return {};
     }
-    if (property == "visible") return assign(element.visible, boolean(value, property));
-    if (property == "locked") return assign(element.locked, boolean(value, property));
+    if (auto shown = setShown(element, property, value)) return *shown;
     if (property == "color") return assign(element.color, colour(value));
     if (property == "joint-planes") {
         IMOMUSHI_TRY(const auto given, word(value, property));
@@ -85,7 +93,18 @@ Result<void> setBone(Bone& bone, const std::string& property, const Json& value)
     if (property == "stiffness") return number(bone.stiffness, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
     if (property == "weight") return number(bone.weight, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio);
     if (property == "roll") return number(bone.roll, -1e6, 1e6);
-    return noSuchProperty("A bone", property, "min-stretch, max-stretch, max-bend, max-twist, stiffness, weight and roll");
+    if (auto shown = setShown(bone, property, value)) return *shown;
+    return noSuchProperty("A bone", property, "min-stretch, max-stretch, max-bend, max-twist, stiffness, weight, roll, visible and locked");
+}
+
+Result<void> setFace(Document& document, const FaceRef& ref, const std::string& property, const Json& value) {
+    const bool handle = document.elements.at(ref.element)->handleOf(ref.face);
+    if (handle && property != "visible" && property != "locked") return setHandleProperty(document, ref, property, value);
+    Result<void> done = noSuchProperty("A joint face", property, "visible and locked");
+    exchangePart(document.elements, ref.element, [&](Element& element) {
+        if (auto shown = setShown(element.faces[static_cast<std::size_t>(element.faceIndex(ref.face))], property, value)) done = *shown;
+    });
+    return done;
 }
 
 Result<void> setCharacter(CharacterSettings& settings, const std::string& property, const Json& value) {
@@ -122,9 +141,16 @@ Result<Json> set(DocumentEdit& edit, const Json& arguments, const Progress&) {
     } else if (const Bone* bone = document.boneNamed(target)) {
         exchangePart(document.bones, bone->id, [&](Bone& changed) { done = setBone(changed, property, value); });
     } else if (const auto handle = document.handle(target)) {
-        done = setHandleProperty(document, *handle, property, value);
+        done = setFace(document, *handle, property, value);
+    } else if (const auto face = document.face(target)) {
+        done = setFace(document, *face, property, value);
+    } else if (const CharacterSource* cuts = document.characterOfCut(target)) {
+        done = noSuchProperty("A cut", property, "visible and locked");
+        exchangePart(document.characters, cuts->id, [&](CharacterSource& changed) {
+            if (auto shown = setShown(changed.cuts[static_cast<std::size_t>(changed.cutIndex(target))], property, value)) done = *shown;
+        });
     } else {
-        done = fail("no-such-target", "There is no element, bone, handle or effect \"" + target + "\" to set; \"character\" has the settings of all.");
+        done = fail("no-such-target", "There is no element, bone, joint face, handle, cut or effect \"" + target + "\" to set; \"character\" has the settings of all.");
     }
     if (!done) return tl::unexpected(done.error());
     return Json::object();
@@ -179,12 +205,13 @@ void addPropertyCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("set",
                        "Sets a property. Element: preset (" + materialPresetNames() + ": sets the four numbers that follow), nu (0 to 0.5), stiffness (relative, 1e-6 to 1e6), density (kg/m^3), damping (0 to 100, times the ratio of joint-dynamics), solver-mesh (\"default\", \"best\", \"as-is\", \"refined:N\", \"decimated:N\", \"draft\", \"volume\", \"volume:N\"; N vertices; \"@T\" after it: the tolerance of solutions of more than 5000 nodes, 1e-6 to 0.01), "
-                       "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"), visible, locked. "
+                       "joint-planes (\"auto\", \"bisector\", \"element\": who turns the planes of its joints), color (\"#rrggbb\"). "
+                       "All: visible (elements, bones, joint faces, handles and cuts: the viewport shows them), locked (the same: the viewport neither picks nor changes them). "
                        "Handle: radius (metres along the surface), point ([x,y,z] of the surface at rest, its middle), bone (\"bone/end\" that it hangs on, \"\": none). "
                        "Bone: min-stretch (0.01 to 1; a straight chain pushed along its axis squashes to .05 above it, then folds), max-stretch (1 to 100, of the rest length), max-bend (radians from rest against its parent, 0 to pi: no limit), max-twist (radians between its ends, 0 to 20 pi: no limit), "
                        "stiffness (0.001 to 1000, against stretch and bend, relative to other bones: the softer give way), weight (0.001 to 1000, times that of its flesh, in bone dynamics), roll (radians at rest). "
                        "Character: basis (\"paper\", \"affine\", \"modes:1\" to \"modes:36\", \"full\"), format (\"float\", \"half\", \"int16\"), threads (0: all), rate (60, 120 or 240: steps per second where it is performed), body-follows (0 to 10: how much the trunk keeps the direction of rest when a limb is dragged, so that the limb moves first; 0: not at all, 1: as a character that make-soft makes alive)." + effectsHelp(),
-                       {{"target", Type::Text, true, "An element, a bone, a handle, an effect, or \"character\"."},
+                       {{"target", Type::Text, true, "An element, a bone, a handle, \"element/face\", a cut, an effect, or \"character\"."},
                         {"property", Type::Text, true, "The name of the property."},
                         {"value", Type::Any, true, "Its value."}},
                        set);

@@ -103,7 +103,7 @@ void Replacement::findFaces(PartId id, const Element& was) {
             loseFace({id, face.name}, was, face, found.error());
             continue;
         }
-        found->name = face.name;
+        found->takeNameFrom(face);
         keep(handle ? "handles" : "faces", handle ? face.name : now.name + "/" + face.name);
         exchangePart(document_.elements, id, [&](Element& changed) {
             changed.faces.push_back(std::move(*found));

@@ -136,7 +136,7 @@ Result<std::vector<JointFace>> facesOn(const BodyPiece& piece, const std::vector
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (!carried[f]) {
             IMOMUSHI_TRY(auto found, faces[f].cut != 0 ? jointFaceByTriangles(piece.body, capOf(piece, cuts, faces[f].cut).triangles) : lost(faces[f]));
-            found.name = faces[f].face->name;
+            found.takeNameFrom(*faces[f].face);
             carried[f] = std::move(found);
         }
         out.push_back(std::move(*carried[f]));

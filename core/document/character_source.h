@@ -23,6 +23,8 @@ struct Cut {
     PartId id = 0;
     std::string name;
     CutPlane plane;
+    bool visible = true;  ///< false: not drawn and not picked in the viewport
+    bool locked = false;  ///< not picked or changed there
 };
 
 /// How a part of what is seen follows the body, where the artist has chosen it.

@@ -99,6 +99,8 @@ struct Bone {
     double maxTwist = Skeleton::Bone::kFreeTwist;  ///< rad between its ends
     double stiffness = 1.0;     ///< against stretch and bend, relative to other bones
     double weight = 1.0;        ///< times what its flesh weighs, in bone dynamics
+    bool visible = true;        ///< false: not drawn and not picked in the viewport
+    bool locked = false;        ///< not picked or changed there
     static constexpr double kMaxRatio = 1e3;  ///< stiffness and weight: from its inverse
 };
 

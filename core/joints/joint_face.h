@@ -38,11 +38,15 @@ struct JointFace {
     double area = 0.0;            ///< m^2
     double size = 0.0;            ///< m, largest distance of a vertex from the origin of the frame
     double planarityError = 0.0;  ///< m, largest |z| of a vertex in the frame
+    bool visible = true;          ///< false: not drawn and not picked in the viewport
+    bool locked = false;          ///< not picked there
     /// Flat to rounding or artist's tolerance. A face that is not flat gets three more columns in every basis (FaceBasis).
     [[nodiscard]] bool flat() const { return planarityError <= kFlatTolerance * size; }
     static constexpr double kFlatTolerance = 1e-3;
     /// Of a handle, where its response is made: what is held; `triangles` are those that lie in it. None: `triangles` are.
     std::optional<SurfaceDisc> disc;
+    /// Made anew, it is still the same face to the artist.
+    void takeNameFrom(const JointFace& was) { name = was.name, visible = was.visible, locked = was.locked; }
 };
 
 /// The largest connected patch of triangles with all corners within `tolerance` (metres) of the plane through `origin` with

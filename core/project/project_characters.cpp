@@ -19,7 +19,7 @@ CREATE TABLE body_links (character INTEGER, position INTEGER, start BLOB, end BL
 CREATE TABLE character_parts (character INTEGER, position INTEGER, name TEXT, PRIMARY KEY (character, position));
 CREATE TABLE character_issues (character INTEGER, position INTEGER, severity INTEGER, code TEXT, text TEXT, count INTEGER, fixed INTEGER,
     triangles BLOB, vertices BLOB, PRIMARY KEY (character, position));
-CREATE TABLE cuts (id INTEGER PRIMARY KEY, character INTEGER, position INTEGER, name TEXT, origin BLOB, normal BLOB);
+CREATE TABLE cuts (id INTEGER PRIMARY KEY, character INTEGER, position INTEGER, name TEXT, origin BLOB, normal BLOB, visible INTEGER, locked INTEGER);
 CREATE TABLE pieces (element INTEGER PRIMARY KEY, character INTEGER, vertices BLOB, triangles BLOB);
 CREATE TABLE piece_sides (element INTEGER, position INTEGER, cut INTEGER, front INTEGER, face TEXT, PRIMARY KEY (element, position));
 )";
@@ -75,7 +75,7 @@ void readCuts(Database& db, Document& document) {
         readPosition(cuts, document.characters.at(character)->cuts.size());
         cut.name = cuts.text();
         require(checkNewName(document, cut.name).has_value(), "a name is broken or used twice");
-        readColumns(cuts, cut.plane.origin, cut.plane.normal);
+        readColumns(cuts, cut.plane.origin, cut.plane.normal, cut.visible, cut.locked);
         require(cut.plane.normal.cwiseAbs().maxCoeff() > 0.0, "the plane of a cut has no normal");
         exchangePart(document.characters, character, [&](CharacterSource& c) { c.cuts.push_back(std::move(cut)); });
     }
@@ -123,7 +123,7 @@ void createCharacterTables(Database& db) { db.run(kCharacterTables); }
 
 void writeCharacters(Database& db, const Document& document, const MeshIds& meshes) {
     RowWriter characters(db, "INSERT INTO characters VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"), links(db, "INSERT INTO body_links VALUES (?,?,?,?,?,?)"), parts(db, "INSERT INTO character_parts VALUES (?,?,?)"),
-        issues(db, "INSERT INTO character_issues VALUES (?,?,?,?,?,?,?,?,?)"), cuts(db, "INSERT INTO cuts VALUES (?,?,?,?,?,?)");
+        issues(db, "INSERT INTO character_issues VALUES (?,?,?,?,?,?,?,?,?)"), cuts(db, "INSERT INTO cuts VALUES (?,?,?,?,?,?,?,?)");
     for (const auto& [id, c] : document.characters) {
         const BodyReport& r = c->body->report;
         characters.row(id, c->name, meshes.at(&c->model->mesh), c->model->part, c->body->mesh.vertices, c->body->mesh.triangles, c->body->bodyVertex, static_cast<int>(r.how),
@@ -134,7 +134,7 @@ void writeCharacters(Database& db, const Document& document, const MeshIds& mesh
             const MeshIssue& issue = c->issues[i];
             issues.row(id, i, static_cast<int>(issue.severity), issue.code, issue.text, issue.count, issue.fixed, issue.triangles, issue.vertices);
         }
-        for (std::size_t i = 0; i < c->cuts.size(); ++i) cuts.row(c->cuts[i].id, id, i, c->cuts[i].name, c->cuts[i].plane.origin, c->cuts[i].plane.normal);
+        for (std::size_t i = 0; i < c->cuts.size(); ++i) cuts.row(c->cuts[i].id, id, i, c->cuts[i].name, c->cuts[i].plane.origin, c->cuts[i].plane.normal, c->cuts[i].visible, c->cuts[i].locked);
     }
     RowWriter pieces(db, "INSERT INTO pieces VALUES (?,?,?,?)"), sides(db, "INSERT INTO piece_sides VALUES (?,?,?,?,?)");
     for (const auto& [id, element] : document.elements) {

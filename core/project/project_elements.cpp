@@ -22,7 +22,7 @@ CREATE TABLE elements (id INTEGER PRIMARY KEY, name TEXT, mesh INTEGER, nu REAL,
 CREATE TABLE issues (element INTEGER, position INTEGER, severity INTEGER, code TEXT, text TEXT, count INTEGER, fixed INTEGER,
     triangles BLOB, vertices BLOB, PRIMARY KEY (element, position));
 CREATE TABLE faces (element INTEGER, position INTEGER, name TEXT, vertices BLOB, triangles BLOB, frame BLOB, area REAL, size REAL,
-    planarity_error REAL, PRIMARY KEY (element, position));
+    planarity_error REAL, visible INTEGER, locked INTEGER, PRIMARY KEY (element, position));
 )";
 
 void checkFace(const JointFace& face, const Element& element) {
@@ -68,13 +68,13 @@ void writeElements(Database& db, const Document& document, const MeshIds& meshId
             const MeshIssue& issue = e->issues[i];
             issues.row(id, i, static_cast<int>(issue.severity), issue.code, issue.text, issue.count, issue.fixed, issue.triangles, issue.vertices);
         }
-    RowWriter faces(db, "INSERT INTO faces VALUES (?,?,?,?,?,?,?,?,?)");
+    RowWriter faces(db, "INSERT INTO faces VALUES (?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, e] : document.elements)
         for (std::size_t i = 0; i < e->faces.size(); ++i) {
             const JointFace& f = e->faces[i];
             Eigen::Matrix<double, 3, 4> frame;
             frame << f.frame.origin, f.frame.axes;
-            faces.row(id, i, f.name, f.vertices, f.triangles, frame, f.area, f.size, f.planarityError);
+            faces.row(id, i, f.name, f.vertices, f.triangles, frame, f.area, f.size, f.planarityError, f.visible, f.locked);
         }
 }
 
@@ -123,7 +123,7 @@ void readElements(Database& db, Document& document, const ReadMeshes& meshes) {
         require(frame.size() == 12, "the frame of a joint face is broken");
         f.frame.origin = Vec3(frame[0], frame[1], frame[2]);
         for (int k = 0; k < 9; ++k) f.frame.axes(k % 3, k / 3) = frame[static_cast<std::size_t>(3 + k)];
-        readColumns(faces, f.area, Within{f.size, 0.0, kMaxCoordinate}, Within{f.planarityError, 0.0, kMaxCoordinate});
+        readColumns(faces, f.area, Within{f.size, 0.0, kMaxCoordinate}, Within{f.planarityError, 0.0, kMaxCoordinate}, f.visible, f.locked);
         checkFace(f, e);
         e.faces.push_back(std::move(f));
     }

@@ -23,7 +23,7 @@ struct Project {
 inline constexpr int kProjectApplicationId = 0x494d4f4d;
 /// Version of the tables, the first that was released. What a newer program adds without raising it, this one opens: unknown effects and settings stay
 /// (Document::unknown), unknown tables are told (Project::dropped). All tables have rowids; "info" holds their digest.
-inline constexpr int kProjectVersion = 16;
+inline constexpr int kProjectVersion = 17;
 
 /// Writes one self-contained SQLite file: beside its place first, on disk, then renamed, so that there is always a whole file. Nothing of an old
 /// file is lost when this fails. What is written is read as openProject() reads it before it takes its place. Errors: "not-writable", "disk-full", "not-sound": it would not open

@@ -16,7 +16,8 @@ constexpr const char* kSkeletonTables = R"(
 CREATE TABLE joints (id INTEGER PRIMARY KEY);
 CREATE TABLE joint_faces (joint INTEGER, position INTEGER, element INTEGER, face TEXT, PRIMARY KEY (joint, position));
 CREATE TABLE bones (id INTEGER PRIMARY KEY, name TEXT, element INTEGER, parent INTEGER, roll REAL, min_stretch REAL, max_stretch REAL,
-    max_bend REAL, max_twist REAL, stiffness REAL, weight REAL, start_kind TEXT, start_part INTEGER, start_name TEXT, start_point BLOB, end_kind TEXT, end_part INTEGER, end_name TEXT, end_point BLOB);
+    max_bend REAL, max_twist REAL, stiffness REAL, weight REAL, start_kind TEXT, start_part INTEGER, start_name TEXT, start_point BLOB, end_kind TEXT, end_part INTEGER, end_name TEXT, end_point BLOB, visible INTEGER,
+    locked INTEGER);
 CREATE TABLE held (bone INTEGER, at_end INTEGER, pinned INTEGER, target BLOB, roll REAL, turn BLOB, from_roll REAL, from_point BLOB, seconds REAL,
     elapsed REAL, PRIMARY KEY (bone, at_end));
 CREATE TABLE pose (points BLOB, frames BLOB, rolls BLOB);
@@ -55,11 +56,11 @@ void writeSkeleton(Database& db, const Document& document) {
     RowWriter jointFaces(db, "INSERT INTO joint_faces VALUES (?,?,?,?)");
     for (const auto& [id, joint] : document.joints)
         for (std::size_t i = 0; i < joint->faces.size(); ++i) jointFaces.row(id, i, joint->faces[i].element, joint->faces[i].face);
-    RowWriter bones(db, "INSERT INTO bones VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    RowWriter bones(db, "INSERT INTO bones VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [id, bone] : document.bones) {
         const PlaceRow s = placeRow(bone->start), e = placeRow(bone->end);
         bones.row(id, bone->name, bone->element, bone->parent, bone->roll, bone->minStretch, bone->maxStretch, bone->maxBend, bone->maxTwist, bone->stiffness,
-                  bone->weight, s.kind, s.part, s.name, s.point, e.kind, e.part, e.name, e.point);
+                  bone->weight, s.kind, s.part, s.name, s.point, e.kind, e.part, e.name, e.point, bone->visible, bone->locked);
     }
     RowWriter held(db, "INSERT INTO held VALUES (?,?,?,?,?,?,?,?,?,?)");
     for (const auto& [end, h] : document.goals)
@@ -110,6 +111,7 @@ void readSkeleton(Database& db, Document& document) {
                     Within{bone.stiffness, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio}, Within{bone.weight, 1.0 / Bone::kMaxRatio, Bone::kMaxRatio});
         bone.start = readPlace(bones);
         bone.end = readPlace(bones);
+        readColumns(bones, bone.visible, bone.locked);
         require(checkNewName(document, bone.name).has_value(), "a name is broken or used twice");
         require(bone.element == 0 || document.elements.contains(bone.element), "a bone runs through an element that is not there");
         document.bones.emplace(bone.id, std::make_shared<const Bone>(std::move(bone)));

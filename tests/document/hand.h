@@ -72,7 +72,7 @@ public:
             case 40: return copy();
             case 41:
             case 42: return paste();
-            case 43: return {{"do", "set"}, {"target", element()}, {"property", one({"visible", "locked"})}, {"value", below(2) == 0}};
+            case 43: return {{"do", "set"}, {"target", below(2) ? element() : below(3) == 0 ? bone() : below(2) ? face() : cutName()}, {"property", one({"visible", "locked"})}, {"value", below(2) == 0}};
             case 44: return d.elements.size() < 8 && below(3) == 0 ? Json{{"do", "append"}, {"path", folder_ + "/added.imomushi"}, {"beside", below(2) == 0}} : Json{{"do", "undo"}};
             case 45: return cut();
             case 46: return below(2) ? moveCut() : below(2) ? Json{{"do", "remove-cut"}, {"cut", cutName()}} : Json{{"do", "make-character"}, {"element", element()}};

@@ -23,6 +23,8 @@ void richDocument(Workbench& w) {
     w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.4, 0.2, 5.5}}, {"roll", 0.25}});
     w.good({{"do", "set"}, {"target", "A"}, {"property", "color"}, {"value", "#123456"}});
     w.good({{"do", "add-bone"}, {"name", "c"}, {"from", "b/end"}, {"to", {0, 1, 7}}});
+    w.good({{"do", "set"}, {"target", "c"}, {"property", "visible"}, {"value", false}});
+    w.good({{"do", "set"}, {"target", "A/in"}, {"property", "locked"}, {"value", true}});
     Project project = w.session.project();
     Document& document = project.document;
     auto element = std::make_shared<Element>(*document.elements.begin()->second);
@@ -47,6 +49,8 @@ void richDocument(Workbench& w) {
     REQUIRE(read.materials.at(0).name == made.materials[0].name);
     REQUIRE(read.textures.at(0).bytes == made.textures[0].bytes);
     REQUIRE(opened.issues.size() == element->issues.size());
+    REQUIRE(opened.faces.at(static_cast<std::size_t>(opened.faceIndex("in"))).locked);
+    REQUIRE(!w.session.document().boneNamed("c")->visible);
 }
 
 }  // namespace

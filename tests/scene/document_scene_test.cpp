@@ -144,6 +144,23 @@ TEST_CASE("locked elements are not picked, hidden ones not drawn, and the ground
     CHECK(scene.bodies.empty());
 }
 
+TEST_CASE("hidden bones and joint faces are not drawn; an end is as long as a bone that is seen has it") {
+    Workbench bench;
+    bench.buildChain();
+    DocumentScene view;
+    render::Scene scene;
+    SceneOptions options;
+    options.bones = options.faces = true;
+    bench.good({{"do", "set"}, {"target", "b"}, {"property", "visible"}, {"value", false}});
+    view.update(bench.session, options, scene);
+    CHECK(count(scene, Marker::Shape::Bone) == 1);
+    CHECK(count(scene, Marker::Shape::JointPoint) == 2);
+    REQUIRE(count(scene, Marker::Shape::FaceOutline) == 3);
+    bench.good({{"do", "set"}, {"target", "B/out"}, {"property", "visible"}, {"value", false}});
+    view.update(bench.session, options, scene);
+    CHECK(count(scene, Marker::Shape::FaceOutline) == 2);
+}
+
 TEST_CASE("a framed body fills the picture and stays inside it, from every side and in every format") {
     Workbench bench;
     bench.buildChain();

@@ -190,3 +190,39 @@ TEST_CASE("select: Ctrl and a drag draw a loop, which takes what it touches when
     tool.cancel();
     CHECK(stage.document().selection().size() == 2);
 }
+
+TEST_CASE("picking: hidden and locked bones and joint faces are looked through, and what is locked is not grabbed by G") {
+    ToolStage stage;
+    addTwoBones(stage);
+    const auto under = [&](const Vec3& p) {
+        const auto s = stage.screen(p);
+        return pickItem(stage.session(), stage.at(s.x(), s.y(), Qt::NoButton, Qt::NoButton));
+    };
+    const auto set = [&](const char* target, const char* property, bool value) { stage.run({{"do", "set"}, {"target", target}, {"property", property}, {"value", value}}); };
+    stage.look(ViewAxis::Front);
+    const PartId bone1 = stage.now().boneNamed("bone 1")->id, bone2 = stage.now().boneNamed("bone 2")->id;
+    const SelectionItem right{Kind::Element, stage.element("right").id, {}, false}, tip{Kind::Endpoint, bone2, {}, true};
+    REQUIRE(under(Vec3(1.7, 0, 0)) == SelectionItem{Kind::Bone, bone2, {}, false});
+    for (const auto& [property, off] : {std::pair{"locked", true}, std::pair{"visible", false}}) {
+        CAPTURE(property);
+        set("bone 2", property, off);
+        CHECK(under(Vec3(1.7, 0, 0)) == right);
+        CHECK(under(Vec3(2.95, 0, 0)) == right);
+        CHECK(under(Vec3(0, 0, 0)) == SelectionItem{Kind::Endpoint, bone1, {}, true});  // the other bone's end is there, too
+        SelectTool tool(stage.document());
+        stage.document().select({tip});
+        stage.hover(tool, Vec3(3.0, 0.2, 0));
+        CHECK(!tool.wants(Qt::Key_G));
+        CHECK(!tool.key(Qt::Key_G, {}));
+        set("bone 2", property, !off);
+        CHECK(tool.wants(Qt::Key_G));
+    }
+    stage.look(ViewAxis::Right);
+    const SelectionItem face{Kind::Face, stage.element("right").id, "tip", false};
+    REQUIRE(under(Vec3(3, 0.3, 0.3)) == face);
+    set("right/tip", "locked", true);
+    CHECK(under(Vec3(3, 0.3, 0.3)) == right);
+    set("right/tip", "locked", false);
+    set("right/tip", "visible", false);
+    CHECK(under(Vec3(3, 0.3, 0.3)) == right);
+}

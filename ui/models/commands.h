@@ -105,8 +105,8 @@ inline constexpr Property<double> kPoissonRatio{"nu"}, kStiffness{"stiffness"}, 
 inline constexpr Property<std::string> kPreset{"preset"};             ///< MaterialPreset::name
 inline constexpr Property<std::string> kColor{"color"};             ///< "#rrggbb"
 inline constexpr Property<std::string> kJointPlanes{"joint-planes"}, kSolverMesh{"solver-mesh"};
-inline constexpr Property<bool> kVisible{"visible"}, kLocked{"locked"};
 }  // namespace element
+inline constexpr Property<bool> kVisible{"visible"}, kLocked{"locked"};                     ///< of elements, joint faces, bones and cuts
 namespace bone {
 inline constexpr Property<double> kRoll{"roll"};                                            ///< radians
 inline constexpr Property<double> kMinStretch{"min-stretch"}, kMaxStretch{"max-stretch"};   ///< of the length at rest

@@ -136,11 +136,17 @@ std::shared_ptr<const Element> OutlinerModel::element(const Node& n) const {
     return found == document_.document().elements.end() ? nullptr : found->second;
 }
 
-std::vector<std::shared_ptr<const Element>> OutlinerModel::elementsOf(const Node& n) const {
-    std::vector<std::shared_ptr<const Element>> elements;
-    for (const auto& [id, e] : document_.document().elements)
-        if (n.kind == Kind::Character || (n.kind == Kind::Element && id == n.part) || (n.kind == Kind::Whole && e->piece && e->piece->character == n.part)) elements.push_back(e);
-    return elements;
+std::vector<OutlinerModel::Switched> OutlinerModel::switched(const Node& n) const {
+    const Document& d = document_.document();
+    std::vector<Switched> all;
+    if (n.kind == Kind::Bones)
+        for (const auto& [id, bone] : d.bones) all.push_back({bone->name, shown(*bone)});
+    if (n.kind == Kind::Character || n.kind == Kind::Whole)
+        for (const auto& [id, e] : d.elements)
+            if (n.kind == Kind::Character || (e->piece && e->piece->character == n.part)) all.push_back({e->name, shown(*e)});
+    if (const auto itself = n.kind == Kind::Whole ? std::nullopt : item(indexOf(&n)))
+        if (const std::string name = pathOf(d, *itself); !name.empty()) all.push_back({name, shownOf(d, *itself)});
+    return all;
 }
 
 std::optional<SelectionItem> OutlinerModel::item(const QModelIndex& index) const {
@@ -252,18 +258,18 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
         }
         case Visible:
         case Locked: {
-            const auto elements = elementsOf(n);
-            if (elements.empty()) break;
+            const auto parts = switched(n);
+            if (parts.empty()) break;
             const bool text = role == Qt::ToolTipRole || role == Qt::AccessibleTextRole;
             if (index.column() == Visible) {
-                const auto seen = std::count_if(elements.begin(), elements.end(), [](const auto& of) { return of->visible; });
+                const auto seen = std::count_if(parts.begin(), parts.end(), [](const auto& of) { return of.shown.visible; });
                 if (role == IconRole) return seen > 0 ? QStringLiteral("eye") : QStringLiteral("eye-off");
-                if (text) return seen == 0 ? tr("Hidden: click to show") : seen == std::ptrdiff_t(elements.size()) ? tr("Visible: click to hide") : tr("Some are hidden: click to hide all");
+                if (text) return seen == 0 ? tr("Hidden: click to show") : seen == std::ptrdiff_t(parts.size()) ? tr("Visible: click to hide") : tr("Some are hidden: click to hide all");
                 break;
             }
-            const auto locked = std::count_if(elements.begin(), elements.end(), [](const auto& of) { return of->locked; });
-            if (role == IconRole) return locked == std::ptrdiff_t(elements.size()) ? QStringLiteral("lock") : QStringLiteral("unlock");
-            if (text) return locked == 0 ? tr("Not locked: click to lock") : locked == std::ptrdiff_t(elements.size()) ? tr("Locked: click to unlock") : tr("Some are locked: click to lock all");
+            const auto locked = std::count_if(parts.begin(), parts.end(), [](const auto& of) { return of.shown.locked; });
+            if (role == IconRole) return locked == std::ptrdiff_t(parts.size()) ? QStringLiteral("lock") : QStringLiteral("unlock");
+            if (text) return locked == 0 ? tr("Not locked: click to lock") : locked == std::ptrdiff_t(parts.size()) ? tr("Locked: click to unlock") : tr("Some are locked: click to lock all");
             break;
         }
         default: break;
@@ -355,14 +361,14 @@ bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int
 
 void OutlinerModel::toggle(const QModelIndex& index) {
     const Node& n = *node(index);
-    const auto elements = elementsOf(n);
-    if (elements.empty() || (index.column() != Visible && index.column() != Locked)) return;
-    const bool hides = std::any_of(elements.begin(), elements.end(), [](const auto& e) { return e->visible; });
-    const bool unlocks = std::all_of(elements.begin(), elements.end(), [](const auto& e) { return e->locked; });
+    const auto parts = switched(n);
+    if (parts.empty() || (index.column() != Visible && index.column() != Locked)) return;
+    const bool hides = std::any_of(parts.begin(), parts.end(), [](const auto& of) { return of.shown.visible; });
+    const bool unlocks = std::all_of(parts.begin(), parts.end(), [](const auto& of) { return of.shown.locked; });
     std::vector<Json> wanted;
-    for (const auto& e : elements) {
-        if (index.column() == Visible && e->visible == hides) wanted.push_back(commands::set(e->name, commands::element::kVisible, !hides));
-        if (index.column() == Locked && e->locked == unlocks) wanted.push_back(commands::set(e->name, commands::element::kLocked, !unlocks));
+    for (const Switched& of : parts) {
+        if (index.column() == Visible && of.shown.visible == hides) wanted.push_back(commands::set(of.name, commands::kVisible, !hides));
+        if (index.column() == Locked && of.shown.locked == unlocks) wanted.push_back(commands::set(of.name, commands::kLocked, !unlocks));
     }
     executeTogether(document_, wanted);
 }

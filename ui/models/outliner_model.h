@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "ui/models/paths.h"
 #include "ui/models/studio_document.h"
 
 namespace imomushi {
@@ -42,7 +43,7 @@ public:
     [[nodiscard]] bool canDropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) const override;
     bool dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) override;
 
-    /// Shows or hides, locks or unlocks an element, or all of a character or of the scene.
+    /// Shows or hides, locks or unlocks an element, joint face, bone or cut, or all elements of a character or of the scene, or all bones.
     void toggle(const QModelIndex& index);
     /// Says everything again, in the present language.
     void retranslate();
@@ -53,8 +54,12 @@ private:
     [[nodiscard]] Node* node(const QModelIndex& index) const;
     [[nodiscard]] QModelIndex indexOf(const Node* node, int column = 0) const;
     [[nodiscard]] std::shared_ptr<const Element> element(const Node& node) const;
-    /// Itself, or all of a character or of the scene; empty: it is none of these.
-    [[nodiscard]] std::vector<std::shared_ptr<const Element>> elementsOf(const Node& node) const;
+    /// What a row's eye and lock are of: itself, or all elements of a character or of the scene, or all bones. `name`: how commands call it.
+    struct Switched {
+        std::string name;
+        Shown shown;
+    };
+    [[nodiscard]] std::vector<Switched> switched(const Node& node) const;
     /// What dropping on `onto` does, a command for each dragged row; empty: they have no place there.
     [[nodiscard]] std::vector<Json> dropped(const QMimeData& data, const QModelIndex& onto) const;
 

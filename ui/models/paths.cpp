@@ -35,6 +35,18 @@ const Cut* cutOf(const Document& document, const SelectionItem& item) {
     return character ? &character->cuts[std::size_t(character->cutIndex(item.part))] : nullptr;
 }
 
+Shown shownOf(const Document& document, const SelectionItem& item) {
+    const Element* element = elementOf(document, item);
+    if (element && item.kind == SelectionItem::Kind::Face) {
+        const int face = element->faceIndex(item.face);
+        return face < 0 ? Shown{} : shown(element->faces[std::size_t(face)]);
+    }
+    if (element) return shown(*element);
+    if (const Bone* bone = boneOf(document, item)) return shown(*bone);
+    const Cut* cut = cutOf(document, item);
+    return cut ? shown(*cut) : Shown{};
+}
+
 std::string pathOf(const Document& document, const EndpointRef& end) {
     const Bone* bone = partIn(document.bones, end.bone);
     return bone ? bone->name + (end.atEnd ? "/end" : "/start") : std::string();

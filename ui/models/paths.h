@@ -20,6 +20,18 @@ std::string pathOf(const Document& document, const EndpointRef& end);
 std::string pathOf(const Document& document, const FaceRef& face);
 std::string pathOf(const Document& document, const SelectionItem& item);
 
+/// Whether the viewport shows a part, and may pick and change it: elements, joint faces, bones, cuts.
+struct Shown {
+    bool visible = false, locked = false;
+    [[nodiscard]] bool picked() const { return visible && !locked; }
+};
+template <class Part>
+Shown shown(const Part& part) {
+    return {part.visible, part.locked};
+}
+/// Of what is selected, an end as its bone; of what is gone and of whole characters nothing is seen.
+Shown shownOf(const Document& document, const SelectionItem& item);
+
 /// The handle that is selected; null: it is none.
 const Handle* handleOf(const Document& document, const SelectionItem& item);
 

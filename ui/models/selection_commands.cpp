@@ -47,7 +47,7 @@ void invertSelection(StudioDocument& document) {
     if (const std::set<PartId> selected = bonesSelected(document); !selected.empty()) {
         std::set<PartId> others;
         for (const auto& [id, bone] : d.bones)
-            if (!selected.contains(id)) others.insert(id);
+            if (!selected.contains(id) && shown(*bone).picked()) others.insert(id);
         return selectBones(document, others);
     }
     std::vector<SelectionItem> items;
@@ -87,16 +87,32 @@ void selectChain(StudioDocument& document) {
 }
 
 void hideSelected(StudioDocument& document) {
+    const Document& d = document.document();
+    std::set<std::string> names;
+    for (SelectionItem item : document.selection()) {
+        if (item.kind == Kind::Endpoint) item.kind = Kind::Bone;
+        if (shownOf(d, item).visible) names.insert(pathOf(d, item));
+        if (item.kind == Kind::Character)
+            for (const PartId id : d.elementsOf(item.part)) names.insert(d.elements.at(id)->name);
+    }
     std::vector<Json> wanted;
-    for (const SelectionItem& item : document.selection())
-        if (const Element* element = item.kind == Kind::Element ? elementOf(document.document(), item) : nullptr) wanted.push_back(commands::set(element->name, commands::element::kVisible, false));
+    for (const std::string& name : names) wanted.push_back(commands::set(name, commands::kVisible, false));
     executeTogether(document, wanted);
 }
 
 void showAll(StudioDocument& document) {
+    const Document& d = document.document();
     std::vector<Json> wanted;
-    for (const auto& [id, element] : document.document().elements)
-        if (!element->visible) wanted.push_back(commands::set(element->name, commands::element::kVisible, true));
+    const auto show = [&](const auto& part, const std::string& name) {
+        if (!part.visible) wanted.push_back(commands::set(name, commands::kVisible, true));
+    };
+    for (const auto& [id, element] : d.elements) {
+        show(*element, element->name);
+        for (const JointFace& face : element->faces) show(face, pathOf(d, FaceRef{id, face.name}));
+    }
+    for (const auto& [id, bone] : d.bones) show(*bone, bone->name);
+    for (const auto& [id, character] : d.characters)
+        for (const Cut& cut : character->cuts) show(cut, cut.name);
     executeTogether(document, wanted);
 }
 

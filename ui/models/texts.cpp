@@ -116,7 +116,7 @@ const std::map<std::string, const char*> kErrors = {
     {"no-heat", QT_TRANSLATE_NOOP("Errors", "No bone reaches a part of the surface. Place bones there.")},
     {"no-such-place", QT_TRANSLATE_NOOP("Errors", "There is no such joint face or end of a bone.")},
     {"no-such-property", QT_TRANSLATE_NOOP("Errors", "There is no such property.")},
-    {"no-such-target", QT_TRANSLATE_NOOP("Errors", "There is no element, bone, handle or effect of that name.")},
+    {"no-such-target", QT_TRANSLATE_NOOP("Errors", "There is no element, bone, joint face, handle, cut or effect of that name.")},
     {"not-held", QT_TRANSLATE_NOOP("Errors", "This end of a bone or handle is not held.")},
     {"not-joined", QT_TRANSLATE_NOOP("Errors", "This joint face is not joined.")},
     {"not-precomputed", QT_TRANSLATE_NOOP("Errors", "An element is not precomputed as it is now. Precompute it first.")},

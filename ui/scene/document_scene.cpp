@@ -200,10 +200,11 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
             marker.id = sceneId({ScenePart::Kind::Face, id, f, false});
             marker.selected = options.isSelected(marker.id);
             marker.hovered = options.hovered == marker.id;
+            if (!p.element->faces[f].visible) continue;
             const FaceRef ref{id, p.element->faces[f].name};
             if (p.element->handleOf(ref.face) ? !options.bones : !options.faces) continue;
             if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
-            if (p.element->locked) marker.id = 0;
+            if (p.element->locked || p.element->faces[f].locked) marker.id = 0;
             for (const auto& loop : p.rims[f]) {
                 marker.outline.clear();
                 for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(p.shown + 3 * v).cast<double>());
@@ -235,6 +236,7 @@ void DocumentScene::addBones(const Session& session, const SceneOptions& options
     // Limits are seen where somebody pulls, in the colour of a warning.
     const bool pulled = std::any_of(document.goals.begin(), document.goals.end(), [](const auto& goal) { return !goal.second.pinned; });
     for (const auto& [id, bone] : document.bones) {
+        if (!bone->visible) continue;
         const auto from = position(*bone, false), to = position(*bone, true);
         if (!from || !to) continue;
         render::Marker marker;
@@ -275,7 +277,7 @@ void DocumentScene::addHandles(const Session& session, const SceneOptions& optio
         for (const Handle& handle : element->handles) {
             const int face = element->faceIndex(handle.face);
             const auto pose = session.poseOf({id, handle.face});
-            if (face < 0 || !pose) continue;
+            if (face < 0 || !pose || !element->faces[static_cast<std::size_t>(face)].visible) continue;
             render::Marker point;
             const auto goal = document.handleGoals.find({id, handle.face});
             if (goal != document.handleGoals.end() && goal->second.target.held)
@@ -294,7 +296,7 @@ void DocumentScene::addHandles(const Session& session, const SceneOptions& optio
                     scene.markers.push_back(std::move(arrow));
                 }
             }
-            if (element->locked) point.id = 0;
+            if (element->locked || element->faces[static_cast<std::size_t>(face)].locked) point.id = 0;
             scene.markers.push_back(std::move(point));
         }
     }

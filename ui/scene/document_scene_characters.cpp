@@ -109,7 +109,7 @@ void DocumentScene::addCuts(const Session& session, const SceneOptions& options,
         for (const Cut& cut : character->cuts) {
             const std::uint64_t item = sceneId({ScenePart::Kind::Cut, cut.id, -1, false});
             const bool selected = options.isSelected(item), hovered = options.hovered == item;
-            if (!selected && !hovered) continue;
+            if (!cut.visible || (!selected && !hovered)) continue;
             const auto frame = cutFrame(session, cut.id);
             if (!frame) continue;
             for (const auto& loop : frame->rim) {
@@ -122,7 +122,7 @@ void DocumentScene::addCuts(const Session& session, const SceneOptions& options,
                 rim.hovered = hovered;
                 scene.markers.push_back(std::move(rim));
             }
-            if (!selected) continue;
+            if (!selected || cut.locked) continue;
             render::Marker plane;
             plane.shape = render::Marker::Shape::PlaneGizmo;
             plane.id = item;

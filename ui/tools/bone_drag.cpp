@@ -81,6 +81,7 @@ std::vector<BoneDrag::Point> BoneDrag::chosen() const {
         if (point && std::none_of(points.begin(), points.end(), [&](const Point& p) { return p.index == point->index; })) points.push_back(std::move(*point));
     };
     for (const SelectionItem& item : document_.selection()) {
+        if (!shownOf(document_.document(), item).picked()) continue;
         if (item.kind == SelectionItem::Kind::Endpoint) add({item.part, item.atEnd});
         if (item.kind == SelectionItem::Kind::Bone)
             for (const bool atEnd : {false, true}) add({item.part, atEnd});

@@ -115,7 +115,7 @@ std::optional<FaceRef> BoneTool::faceUnder(const PointerEvent& e) const {
     for (const auto& [id, element] : d.elements) {
         if (!element->visible || element->locked) continue;
         for (const JointFace& face : element->faces) {
-            const auto at = facePosition(session, {id, face.name});
+            const auto at = shown(face).picked() ? facePosition(session, {id, face.name}) : std::nullopt;
             if (!at) continue;
             const Vec3 to = *at - e.rayOrigin;
             const double along = to.dot(e.rayDirection);
@@ -143,7 +143,7 @@ std::optional<BoneTool::Spot> BoneTool::spotUnder(const PointerEvent& e) const {
     const auto entry = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
     if (entry == hits.end()) return std::nullopt;
     const Element& element = *d.elements.at(entry->element);
-    if (const JointFace* face = faceOfTriangle(element, entry->triangle)) return spotAt(FaceRef{entry->element, face->name});
+    if (const JointFace* face = faceOfTriangle(element, entry->triangle); face && shown(*face).picked()) return spotAt(FaceRef{entry->element, face->name});
     const auto exit = std::find_if(entry + 1, hits.end(),
                                    [&](const RayHit& hit) { return !hit.entering && hit.element == entry->element; });
     if (exit == hits.end()) return std::nullopt;

@@ -40,7 +40,7 @@ std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const 
 std::optional<CutDrag::Grip> CutDrag::chosen() const {
     if (document_.selection().size() != 1) return std::nullopt;
     const SelectionItem& item = document_.selection().front();
-    if (!cutOf(document_.document(), item)) return std::nullopt;
+    if (!cutOf(document_.document(), item) || !shownOf(document_.document(), item).picked()) return std::nullopt;
     const auto frame = cutFrame(document_.session(), item.part);
     return frame ? std::optional(Grip{item.part, false, *frame}) : std::nullopt;
 }

@@ -156,7 +156,7 @@ void FaceTool::preview(const RayHit& hit) {
     seed_ = hit.triangle;
     seedRest_ = hit.rest;
     if (const JointFace* face = faceOfTriangle(*of, hit.triangle)) {
-        existing_ = face->name;
+        if (shown(*face).picked()) existing_ = face->name;
         return;
     }
     auto face = jointFaceBySeed(of->mesh->body, hit.triangle, kAngle, tolerance(*of));

@@ -35,7 +35,7 @@ std::shared_ptr<const Element> HandleEdit::element() const {
 bool HandleEdit::begin(Does does, const PointerEvent& e) {
     if (document_.selection().size() != 1) return false;
     const SelectionItem& item = document_.selection().front();
-    const Handle* handle = handleOf(document_.document(), item);
+    const Handle* handle = shownOf(document_.document(), item).picked() ? handleOf(document_.document(), item) : nullptr;
     const auto pose = handle ? document_.session().poseOf({item.part, item.face}) : Result<HandlePose>(tl::unexpected(Error{}));
     if (!pose) return false;
     Edit edit;

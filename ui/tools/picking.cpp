@@ -301,7 +301,7 @@ std::vector<EndpointRef> endpointsUnder(const Session& session, const PointerEve
     if (e.bonesVisible)
         for (const auto& [id, bone] : session.document().bones)
             for (const bool atEnd : {true, false})
-                if (const auto at = endpointPosition(session, {id, atEnd}))
+                if (const auto at = !shown(*bone).picked() ? std::nullopt : endpointPosition(session, {id, atEnd}))
                     if (const double distance = pixelsTo(e, *at); distance <= pixels) near.push_back({std::floor(distance / kAsNear), (*at - e.rayOrigin).dot(e.rayDirection), {id, atEnd}});
     std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.rank != b.rank ? a.rank < b.rank : a.depth < b.depth; });
     std::vector<EndpointRef> ends;
@@ -342,7 +342,7 @@ std::optional<FaceRef> handleAmong(const Session& session, const PointerEvent& e
     if (!hits.empty()) {
         const Element& element = *elements.at(hits.front().element);
         const JointFace* face = faceOfTriangle(element, hits.front().triangle);
-        if (face && element.handleOf(face->name)) return FaceRef{element.id, face->name};
+        if (face && shown(*face).picked() && element.handleOf(face->name)) return FaceRef{element.id, face->name};
     }
     std::optional<FaceRef> best;
     double nearest = pixels;
@@ -350,9 +350,10 @@ std::optional<FaceRef> handleAmong(const Session& session, const PointerEvent& e
         if (!element->visible || element->locked) continue;
         for (const Handle& handle : element->handles) {
             const auto at = gripPosition(session, {{}, {id, handle.face}});
-            if (!at) continue;
+            const JointFace& face = element->faces[std::size_t(element->faceIndex(handle.face))];
+            if (!at || !shown(face).picked()) continue;
             const double distance = pixelsTo(e, *at);
-            const double size = element->faces[std::size_t(element->faceIndex(handle.face))].size;
+            const double size = face.size;
             if (distance >= nearest || (!hits.empty() && hits.front().distance < (*at - e.rayOrigin).dot(e.rayDirection) - size)) continue;
             nearest = distance;
             best = FaceRef{id, handle.face};
@@ -386,10 +387,11 @@ std::optional<PoseGrip> nearestGrip(const Session& session, PartId id, const Vec
         best = grip;
     };
     for (const auto& [bone, part] : session.document().bones)
-        if (part->element == id)
+        if (part->element == id && shown(*part).picked())
             for (const bool atEnd : {true, false}) offer({{bone, atEnd}, {}});
     if (const auto element = session.document().elements.find(id); element != session.document().elements.end())
-        for (const Handle& handle : element->second->handles) offer({{}, {id, handle.face}});
+        for (const Handle& handle : element->second->handles)
+            if (shown(element->second->faces[std::size_t(element->second->faceIndex(handle.face))]).picked()) offer({{}, {id, handle.face}});
     if (best && !best->isHandle()) best->end = holdingEndpoint(session, best->end);
     return best;
 }
@@ -418,7 +420,7 @@ std::optional<SelectionItem> pickItem(const Session& session, const PointerEvent
         std::optional<SelectionItem> best;
         for (const auto& [id, bone] : session.document().bones) {
             const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
-            if (!from || !to) continue;
+            if (!from || !to || !shown(*bone).picked()) continue;
             const double distance = pixelsTo(e, nearestOnSegment(e, *from, *to));
             if (distance > nearest) continue;
             nearest = distance;
@@ -431,7 +433,7 @@ std::optional<SelectionItem> pickItem(const Session& session, const PointerEvent
     if (hits.empty()) return std::nullopt;
     const RayHit& hit = hits.front();
     const Element& element = *session.document().elements.at(hit.element);
-    if (const JointFace* face = faceOfTriangle(element, hit.triangle))
+    if (const JointFace* face = faceOfTriangle(element, hit.triangle); face && shown(*face).picked())
         return SelectionItem{SelectionItem::Kind::Face, hit.element, face->name, false};
     return SelectionItem{SelectionItem::Kind::Element, hit.element, {}, false};
 }
@@ -444,7 +446,7 @@ std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent&
     std::vector<Near> near;
     for (const auto& [id, character] : session.document().characters)
         for (const Cut& cut : character->cuts) {
-            const auto frame = cutFrame(session, cut.id);
+            const auto frame = shown(cut).picked() ? cutFrame(session, cut.id) : std::nullopt;
             if (!frame) continue;
             for (const auto& loop : frame->rim)
                 for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -469,7 +471,7 @@ std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEve
     if (view.bonesVisible)
         for (const auto& [id, bone] : session.document().bones) {
             const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
-            if (from && to && isTouched(view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
+            if (from && to && shown(*bone).picked() && isTouched(view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
         }
     std::set<PartId> touched;
     const auto touch = [&](const TriangleMesh& mesh, const auto& at, const auto& elementOf) {

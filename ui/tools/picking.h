@@ -94,7 +94,7 @@ HandlePose poseOfFlesh(const Session& session, const Element& element, const Joi
 /// Another reference to the same joint point that is to be preferred for holding it.
 EndpointRef holdingEndpoint(const Session& session, const EndpointRef& end);
 
-/// What lies under the pointer: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
+/// What lies under the pointer, hidden and locked parts left out: bones and their ends, drawn over everything, come before bodies; a triangle of a joint face is the face.
 std::optional<SelectionItem> pickItem(const Session& session, const PointerEvent& e);
 
 /// The cut whose rim is under the pointer and not behind a body.

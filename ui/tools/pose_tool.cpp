@@ -73,6 +73,7 @@ void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
 std::optional<PoseGrip> PoseTool::selectedGrip() const {
     if (document_.selection().size() != 1) return std::nullopt;
     const SelectionItem& item = document_.selection().front();
+    if (!shownOf(document_.document(), item).picked()) return std::nullopt;
     if (item.kind == SelectionItem::Kind::Endpoint) return PoseGrip{holdingEndpoint(document_.session(), {item.part, item.atEnd}), {}};
     if (handleOf(document_.document(), item)) return PoseGrip{{}, {item.part, item.face}};
     return std::nullopt;

@@ -72,7 +72,7 @@ void ActionStates::update() {
     a.allow("make-soft-bones", soften && rigged, soften ? noBones : notSoft);
     a.allow("import-skeleton", character && idle, character ? working : noCharacter);
     a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
-    a.allow("hide", count(Kind::Element) > 0, tr("Select an element first."));
+    a.allow("hide", canMirror(document_), nothing);
     a.allow("join", count(Kind::Face) == 2, tr("Select two joint faces: click one, then Shift+click the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
     a.allow("pin", handles || count(Kind::Endpoint, Kind::Bone) > 0, tr("Select a bone, the end of one, or a handle first."));
