@@ -440,8 +440,8 @@
             <translation>ワールドの軸(&amp;W)</translation>
         </message>
         <message>
-            <source>Axes of what is se&amp;lected</source>
-            <translation>選択したものの軸(&amp;L)</translation>
+            <source>Axes of what is selecte&amp;d</source>
+            <translation>選択したものの軸(&amp;D)</translation>
         </message>
         <message>
             <source>Axes of the &amp;view</source>
@@ -490,6 +490,34 @@
         <message>
             <source>Map a body and a face by &amp;VMC</source>
             <translation>VMC で体と顔を対応づける(&amp;V)</translation>
+        </message>
+        <message>
+            <source>Gizmo: a&amp;ll</source>
+            <translation>ギズモ：すべて(&amp;L)</translation>
+        </message>
+        <message>
+            <source>Gizmo: &amp;move</source>
+            <translation>ギズモ：移動(&amp;M)</translation>
+        </message>
+        <message>
+            <source>Gizmo: &amp;turn</source>
+            <translation>ギズモ：回転(&amp;T)</translation>
+        </message>
+        <message>
+            <source>Gizmo: &amp;scale</source>
+            <translation>ギズモ：拡大縮小(&amp;S)</translation>
+        </message>
+        <message>
+            <source>Snap to &amp;edges</source>
+            <translation>辺にスナップ(&amp;E)</translation>
+        </message>
+        <message>
+            <source>Sta&amp;ge: the character alone</source>
+            <translation>ステージ：キャラクターだけを表示(&amp;G)</translation>
+        </message>
+        <message>
+            <source>Move the &amp;joint face…</source>
+            <translation>関節面を動かす(&amp;J)…</translation>
         </message>
     </context>
     <context>
@@ -1490,6 +1518,10 @@
             <source>There is nothing that could be driven so: the character needs bones whose ends are free, handles or shapes.</source>
             <translation>このようには何も動かせません。端が自由なボーン、ハンドル、形のどれかが必要です。</translation>
         </message>
+        <message>
+            <source>A joint face that is joined, of a cut or a handle has no plane of its own. Unjoin it, or move the cut or the handle.</source>
+            <translation>つながった関節面、切断やハンドルの面は、単独では動かせません。つながりを外すか、切断やハンドルを動かしてください。</translation>
+        </message>
     </context>
     <context>
         <name>Issues</name>
@@ -2034,6 +2066,10 @@
             <source>Suggest mappings</source>
             <translation>対応づけの提案</translation>
         </message>
+        <message>
+            <source>Move joint face</source>
+            <translation>関節面を動かす</translation>
+        </message>
     </context>
     <context>
         <name>Texts</name>
@@ -2488,8 +2524,8 @@
             <translation>計算結果も一緒に動きます</translation>
         </message>
         <message>
-            <source>Click or drag a box: select · G: move, then R: turn · S: scale · Delete: remove</source>
-            <translation>クリックか囲むドラッグ：選択 · G：移動、続けて R：回転 · S：拡大縮小 · Delete：削除</translation>
+            <source>Click or drag a box: select · G, R, S: move, turn, scale · Delete: remove</source>
+            <translation>クリックか囲むドラッグ：選択 · G、R、S：移動、回転、拡大縮小 · Delete：削除</translation>
         </message>
         <message>
             <source>Type a number · Shift: fine · Ctrl: snap · Esc: cancel</source>
@@ -2522,6 +2558,10 @@
         <message>
             <source>Move: push along · Wheel, Ctrl or a typed number: depth · Shift: fine · Click or Enter: lift · Esc: take back</source>
             <translation>移動：押しながら動かす · ホイール、Ctrl、数値：深さ · Shift：細かく · クリックまたは Enter：離す · Esc：元に戻す</translation>
+        </message>
+        <message>
+            <source>To an edge of %1</source>
+            <translation>%1 の辺へ</translation>
         </message>
     </context>
     <context>
@@ -4144,6 +4184,10 @@
             <source>%n mapping(s) made. Change them as you like.</source>
             <translation><numerusform>%n 個の対応づけを作りました。自由に変えられます。</numerusform></translation>
         </message>
+        <message>
+            <source>“%1” is built. It is your project now: each step can be undone.</source>
+            <translation>「%1」ができました。これはもうあなたのプロジェクトで、どのステップも元に戻せます。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::AboutDialog</name>
@@ -4310,6 +4354,10 @@
             <source>Nothing was copied yet.</source>
             <translation>まだ何もコピーしていません。</translation>
         </message>
+        <message>
+            <source>Select one joint face first.</source>
+            <translation>先に関節面を 1 つ選んでください。</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::ControlsDialog</name>
@@ -4470,8 +4518,8 @@
             <translation>数値（12 cm、30°、*1.5、1/3 など）。Tab、Backspace、Enter</translation>
         </message>
         <message>
-            <source>Without a button: move what is selected, with the bone tool turn and scale it, too</source>
-            <translation>ボタンを押さずに：選択したものを移動（ボーンツールでは回転、拡大縮小も）</translation>
+            <source>Without a button: move, turn and scale what is selected</source>
+            <translation>ボタンを押さずに：選択したものを移動、回転、拡大縮小</translation>
         </message>
     </context>
     <context>
@@ -4594,6 +4642,10 @@
         <message>
             <source>Place by &amp;numbers</source>
             <translation>数値で置く(&amp;N)</translation>
+        </message>
+        <message>
+            <source>How samples were &amp;built</source>
+            <translation>サンプルの作られ方(&amp;B)</translation>
         </message>
     </context>
     <context>
@@ -5053,6 +5105,14 @@
         <message>
             <source>glTF, VRM, FBX or DAE with a skeleton: its bones become soft limbs, its clips takes.</source>
             <translation>骨格のある glTF、VRM、FBX、DAE。ボーンは柔らかい手足に、クリップはテイクになります。</translation>
+        </message>
+        <message>
+            <source>Watch how it was built</source>
+            <translation>作られ方を見る</translation>
+        </message>
+        <message>
+            <source>Watch how “%1” was built</source>
+            <translation>「%1」の作られ方を見る</translation>
         </message>
     </context>
     <context>
@@ -7350,6 +7410,40 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Radius</source>
             <translation>半径</translation>
+        </message>
+        <message>
+            <source>Move a joint face</source>
+            <translation>関節面を動かす</translation>
+        </message>
+        <message>
+            <source>Move</source>
+            <translation>動かす</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ReplayBar</name>
+        <message>
+            <source>How “%1” was built: %2 of %3</source>
+            <translation>「%1」の作られ方：%2 / %3</translation>
+        </message>
+        <message>
+            <source>Go on</source>
+            <translation>続ける</translation>
+        </message>
+        <message>
+            <source>Pause</source>
+            <translation>一時停止</translation>
+        </message>
+        <message>
+            <source>Stop</source>
+            <translation>終了</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ReplayFlow</name>
+        <message>
+            <source>Building “%1”</source>
+            <translation>「%1」を組み立てています</translation>
         </message>
     </context>
 </TS>

@@ -32,6 +32,36 @@ Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index co
     return indices;
 }
 
+Result<JointFace> faceInPlane(const TriangleMesh& body, const Json& plane, const Json& arguments) {
+    IMOMUSHI_TRY(const auto given, planeFrom(plane));
+    const double size = diagonalOf(body.vertices);
+    double tolerance = kPlaneTolerance * size;
+    if (auto ok = readNumber(arguments, "tolerance", 0.0, size, tolerance); !ok) return tl::unexpected(ok.error());
+    return jointFaceByPlane(body, given.origin(), given.normal(), tolerance);
+}
+
+/// A face has a ring of free triangles about it. `instead`: of which it takes the place.
+Result<void> checkApart(const Element& of, const JointFace& face, std::string_view instead = {}) {
+    for (const JointFace& other : of.faces) {
+        if (other.name == instead) continue;
+        std::vector<std::int32_t> shared;
+        std::set_intersection(other.vertices.begin(), other.vertices.end(), face.vertices.begin(), face.vertices.end(),
+                              std::back_inserter(shared));
+        if (!shared.empty())
+            return fail("shared-rim", "The face would share " + std::to_string(shared.size()) + " vertices with the joint face \"" + other.name +
+                                          "\": one ring of free triangles must lie between two faces.");
+    }
+    if (face.vertices.size() == static_cast<std::size_t>(of.mesh->body.vertices.rows()))
+        return fail("no-free-vertex", "The face would hold every vertex of the element: leave some of its surface free.");
+    return {};
+}
+
+Json patchJson(const JointFace& face) {
+    return {{"vertices", face.vertices.size()}, {"triangles", face.triangles.size()}, {"indices", face.vertices},
+            {"frame", json(face.frame)}, {"planarity_error", face.planarityError}, {"flat", face.flat()}, {"area", face.area},
+            {"size", face.size}};
+}
+
 Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Document& document = edit.document;
     IMOMUSHI_TRY(const auto element, elementOf(document, text(arguments, "element")));
@@ -43,35 +73,37 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
     const Json* plane = find(arguments, "plane");
     const Json* vertices = find(arguments, "vertices");
     if ((plane != nullptr) == (vertices != nullptr)) return fail("missing-key", "\"add-joint-face\" needs either \"plane\" or \"vertices\".");
-    const double size = diagonalOf(body.vertices);
-
     Result<JointFace> face = fail("no-patch", "");
     if (plane) {
-        IMOMUSHI_TRY(const auto given, planeFrom(*plane));
-        double tolerance = kPlaneTolerance * size;
-        if (auto ok = readNumber(arguments, "tolerance", 0.0, size, tolerance); !ok) return tl::unexpected(ok.error());
-        face = jointFaceByPlane(body, given.origin(), given.normal(), tolerance);
+        face = faceInPlane(body, *plane, arguments);
     } else {
         if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
         IMOMUSHI_TRY(const auto indices, indicesFrom(*vertices, body.vertices.rows()));
         face = jointFaceByVertices(body, indices);
     }
     if (!face) return tl::unexpected(face.error());
-    for (const JointFace& other : element->faces) {
-        std::vector<std::int32_t> shared;
-        std::set_intersection(other.vertices.begin(), other.vertices.end(), face->vertices.begin(), face->vertices.end(),
-                              std::back_inserter(shared));
-        if (!shared.empty())
-            return fail("shared-rim", "The face would share " + std::to_string(shared.size()) + " vertices with the joint face \"" + other.name +
-                                          "\": one ring of free triangles must lie between two faces.");
-    }
-    if (face->vertices.size() == static_cast<std::size_t>(body.vertices.rows()))
-        return fail("no-free-vertex", "The face would hold every vertex of the element: leave some of its surface free.");
+    if (auto ok = checkApart(*element, *face); !ok) return tl::unexpected(ok.error());
     face->name = name;
-    Json answer{{"vertices", face->vertices.size()}, {"triangles", face->triangles.size()}, {"indices", face->vertices},
-                {"frame", json(face->frame)}, {"planarity_error", face->planarityError}, {"flat", face->flat()}, {"area", face->area},
-                {"size", face->size}};
+    Json answer = patchJson(*face);
     exchangePart(document.elements, element->id, [&](Element& changed) { changed.faces.push_back(std::move(*face)); });
+    return answer;
+}
+
+Result<Json> editJointFace(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Document& document = edit.document;
+    IMOMUSHI_TRY(const auto ref, document.face(text(arguments, "face")));
+    const Element& element = *document.elements.at(ref.element);
+    if (element.handleOf(ref.face)) return fail("face-fixed", "\"" + ref.face + "\" is a handle: set its \"point\" instead.");
+    if (element.piece && std::any_of(element.piece->sides.begin(), element.piece->sides.end(), [&](const CutSide& side) { return side.face == ref.face; }))
+        return fail("face-fixed", "\"" + text(arguments, "face") + "\" is the face of a cut: move the cut instead.");
+    if (document.jointOf(ref)) return fail("face-fixed", "\"" + text(arguments, "face") + "\" is joined, and would leave the other face: unjoin it first.");
+    IMOMUSHI_TRY(auto face, faceInPlane(element.mesh->body, arguments.at("plane"), arguments));
+    if (auto ok = checkApart(element, face, ref.face); !ok) return tl::unexpected(ok.error());
+    face.takeNameFrom(faceOf(document, ref));
+    Json answer = patchJson(face);
+    exchangePart(document.elements, ref.element, [&](Element& changed) { changed.faces[static_cast<std::size_t>(changed.faceIndex(ref.face))] = std::move(face); });
+    // Bones that end at it must still be bones.
+    IMOMUSHI_TRY(const auto planned, edit.planned());
     return answer;
 }
 
@@ -194,6 +226,12 @@ void addElementCommands(CommandRegistry& registry) {
                         {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."},
                         {"vertices", Type::Array, false, "Body vertices, counted from 0."}},
                        addJointFace);
+    registry.addChange("edit-joint-face",
+                       "Moves a joint face to another plane; its name and the ends of bones at it stay. Not of a handle, of a cut, or while it is joined.",
+                       {path,
+                        {"plane", Type::Object, true, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
+                        {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."}},
+                       editJointFace);
     registry.addChange("join",
                        "Joins two faces so that they look like one surface in every pose; moves nothing. A face that is joined already takes the other "
                        "one into its joint.",

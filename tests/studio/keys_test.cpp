@@ -482,3 +482,42 @@ TEST_CASE("select: the others, what is next, and the chain that hangs on a bone"
     CHECK(names().size() == w.now().elements.size() - 2);
     CHECK(!names().contains("head"));
 }
+
+TEST_CASE("keys: with Blender's mouse R turns what is selected and Ctrl+R records; with the industry's W, E and R choose what the gizmo has") {
+    Window w;
+    w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
+    w.trigger("tool-select");
+    w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
+    QTest::mouseMove(&w.view(), w.view().rect().center());
+    w.view().setFocus();
+    w.settle();
+    QTest::keyClick(&w.view(), Qt::Key_R);
+    CHECK(w.view().tools().busy());
+    CHECK(!w.window().deck().recording());
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    CHECK(!w.view().tools().busy());
+    CHECK(w.window().actions()["gizmo-scale"]->shortcuts().isEmpty());
+    CHECK(w.window().actions()["record"]->shortcut() == QKeySequence(Qt::CTRL | Qt::Key_R));
+
+    const auto prefer = [&](int preset) {
+        whenModal<PreferencesDialog>([preset](PreferencesDialog* dialog) {
+            Q_EMIT dialog->navigationChanged(preset);
+            dialog->reject();
+        });
+        w.window().actions()["preferences"]->trigger();
+        w.activate();
+        w.view().setFocus();
+    };
+    prefer(1);
+    for (const auto& [key, action] : {std::pair{Qt::Key_W, "gizmo-move"}, {Qt::Key_E, "gizmo-turn"}, {Qt::Key_R, "gizmo-scale"}}) {
+        CAPTURE(action);
+        QTest::keyClick(&w.view(), key);
+        w.settle();
+        CHECK(w.window().actions()[action]->isChecked());
+        CHECK(!w.view().tools().busy());
+    }
+    w.shoot("gizmo-scale");
+    prefer(0);
+    CHECK(w.window().actions()["gizmo-scale"]->shortcuts().isEmpty());
+    w.trigger("gizmo-all");
+}

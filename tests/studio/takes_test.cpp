@@ -57,10 +57,10 @@ struct TakeWindow : Window {
     }
     /// By the keyboard, as a performer does.
     void record(QPoint by) {
-        QTest::keyClick(&view(), Qt::Key_R);
+        QTest::keyClick(&view(), Qt::Key_R, Qt::ControlModifier);
         REQUIRE(deck().recording());
         drag(by);
-        QTest::keyClick(&view(), Qt::Key_R);
+        QTest::keyClick(&view(), Qt::Key_R, Qt::ControlModifier);
         REQUIRE(!deck().recording());
         settle();
     }
@@ -82,7 +82,7 @@ TEST_CASE("takes: what is dragged while it is recorded becomes a take, as one st
     TakeWindow w;
     w.shoot("takes-none");
     const int before = w.position();
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     REQUIRE(w.deck().recording());
     w.drag({20, -90});
     waitFor([&] { return w.document().session().recording()->seconds > 0.2; });
@@ -90,7 +90,7 @@ TEST_CASE("takes: what is dragged while it is recorded becomes a take, as one st
     const double seconds = w.document().session().recording()->seconds;
     CHECK(frames >= 6);  // one for each step of the drag
     w.shoot("takes-recording");
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     waitFor([&] { return !w.deck().recording(); });
     REQUIRE(w.now().takes.size() == 1);
     const Take& take = *w.now().takes.begin()->second;
@@ -335,28 +335,28 @@ TEST_CASE("takes: a recording starts after a count where that is wished for, and
     TakeWindow w;
     QSettings().remove(QStringLiteral("takes"));
     w.trigger("count-in");
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     CHECK(!w.deck().recording());
     CHECK(w.deck().counting() == 3);
     w.shoot("takes-counting");
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     CHECK(w.deck().counting() == 0);
     CHECK(stays([&] { return !w.deck().recording() && w.deck().counting() == 0; }));
     CHECK(w.now().takes.empty());
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     waitFor([&] { return w.deck().recording(); });
     w.drag({10, -40});
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     CHECK(w.now().takes.size() == 1);
     w.trigger("count-in");
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     CHECK(w.deck().recording());
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
 }
 
 TEST_CASE("takes: a recording ends with its take when the document is left, and says when it ends early") {
     TakeWindow w;
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     w.settle();
     REQUIRE(w.deck().recording());
     w.run({{"do", "set"}, {"target", "character"}, {"property", "basis"}, {"value", "paper"}});
@@ -366,7 +366,7 @@ TEST_CASE("takes: a recording ends with its take when the document is left, and 
     w.trigger("undo");  // the take
     w.trigger("undo");  // the basis
     REQUIRE(w.now().takes.empty());
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     w.settle();
     Q_EMIT w.window().files().leaving();
     CHECK(!w.deck().recording());
@@ -388,10 +388,10 @@ TEST_CASE("takes: the panel reads in every theme, in Japanese and at 125 %") {
     CHECK(pale(w.window().takes()) == "");
     w.shoot("takes-japanese");
     CHECK(w.list().accessibleName() == QStringLiteral("テイク"));
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     w.settle();
     w.shoot("takes-recording-light");
-    QTest::keyClick(&w.view(), Qt::Key_R);
+    QTest::keyClick(&w.view(), Qt::Key_R, Qt::ControlModifier);
     look.setTheme(Appearance::Theme::HighContrast);
     w.settle();
     CHECK(pale(w.window().takes()) == "");

@@ -152,7 +152,7 @@ public:
         w.deck().leave();
         w.inputs().closePorts();
         (void)w.document().execute({{"do", "new"}});
-        for (const char* off : {"loop", "count-in", "orthographic", "bodies", "xray", "soft-at-once", "passing-handles", "snap"})
+        for (const char* off : {"stage", "loop", "count-in", "orthographic", "bodies", "xray", "soft-at-once", "passing-handles", "snap"})
             if (w.actions()[off]->isChecked()) w.actions()[off]->trigger();
         for (const char* on : {"bones", "grid"})
             if (!w.actions()[on]->isChecked()) w.actions()[on]->trigger();

@@ -66,7 +66,7 @@ TEST_CASE("bodies: G moves, then R turns and S scales, with typed numbers, axes 
     s.select("left");
     s.hover(s.tool, Vec3(0, 1.5, 0));
     CHECK(s.tool.wants(Qt::Key_G));
-    CHECK(!s.tool.wants(Qt::Key_R));  // which records
+    CHECK(s.tool.wants(Qt::Key_R));
     const int before = s.steps();
     CHECK(s.tool.key(Qt::Key_G, {}));
     CHECK(s.tool.modal());
@@ -161,4 +161,33 @@ TEST_CASE("bodies: the magnet takes the middle to the grid; locked ones have no 
     s.run({{"do", "set"}, {"target", "alone"}, {"property", "locked"}, {"value", true}});
     CHECK(!s.tool.wants(Qt::Key_G));
     CHECK(!s.tool.key(Qt::Key_S, {}));
+}
+
+TEST_CASE("bodies: R turns what is selected at once, a bone's end too; where R chooses what the gizmo has, it does not") {
+    BodyStage s;
+    s.select("left");
+    s.hover(s.tool, Vec3(0, 1.5, 0));
+    const int before = s.steps();
+    CHECK(s.tool.key(Qt::Key_R, {}));
+    CHECK(s.tool.modal());
+    s.type(QStringLiteral("90"));
+    CHECK(s.tool.key(Qt::Key_Return, {}));
+    CHECK((s.middle("right") - Vec3(0, 1.5, 0)).norm() < 1e-9);
+    CHECK(s.steps() == before + 1);
+    s.run({{"do", "undo"}});
+    const EndpointRef tip{s.now().boneNamed("bone 2")->id, true};
+    s.document().select({{Kind::Endpoint, tip.bone, {}, true}});
+    s.hover(s.tool, Vec3(0, 1.6, 0));
+    CHECK(s.tool.wants(Qt::Key_R));
+    CHECK(s.tool.key(Qt::Key_R, {}));
+    s.type(QStringLiteral("30"));
+    CHECK(s.tool.key(Qt::Key_Return, {}));
+    CHECK(s.now().goals.at(tip).roll.value_or(0.0) == doctest::Approx(std::numbers::pi / 6.0));
+    ToolOptions options;
+    options.turnKey = false;
+    s.tool.setOptions(options);
+    s.select("left");
+    CHECK(!s.tool.wants(Qt::Key_R));
+    CHECK(!s.tool.key(Qt::Key_R, {}));
+    CHECK(s.tool.wants(Qt::Key_G));
 }

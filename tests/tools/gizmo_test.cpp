@@ -151,3 +151,43 @@ TEST_CASE("gizmo: the select tool moves the selected end of a posed bone by a pl
     tool.setOptions(options);
     CHECK(!stage.shows(tool));
 }
+
+TEST_CASE("gizmo: it has what moves, turns or scales alone where that is chosen, and what there is where it cannot") {
+    GizmoStage stage;
+    stage.add("alone", shapes::box(Vec3(-1, 2, -0.5), Vec3(1, 3, 0.5), 2, 2, 2).mesh);
+    const Vec3 middle(0, 2.5, 0);
+    stage.look(ViewAxis::Front);
+    SelectTool tool(stage.document());
+    stage.document().select({{Kind::Element, stage.element("alone").id, {}, false}});
+    const double pixel = stage.pixel();
+    const Vec3 arrow = middle + 46 * pixel * Vec3::UnitX(), box = middle + Sizes::kScale * pixel * Vec3::UnitX(), ring = middle + Sizes::kRing * pixel * Vec3(-0.6, 0.8, 0);
+    const auto takes = [&](const Vec3& p) {
+        stage.press(tool, p);
+        const bool taken = tool.busy() && !tool.box();
+        stage.pull(tool, p + Vec3(0.1, 0.1, 0));
+        const bool drags = taken && !tool.box();
+        tool.cancel();
+        stage.document().select({{Kind::Element, stage.element("alone").id, {}, false}});
+        return drags;
+    };
+    ToolOptions options;
+    for (const auto& [parts, moves, turns, scales] : {std::tuple{GizmoParts::All, true, true, true}, {GizmoParts::Move, true, false, false}, {GizmoParts::Turn, false, true, false}, {GizmoParts::Scale, false, false, true}}) {
+        CAPTURE(int(parts));
+        options.parts = parts;
+        tool.setOptions(options);
+        CHECK(takes(arrow) == moves);
+        CHECK(takes(ring) == turns);
+        CHECK(takes(box) == scales);
+        render::Scene scene;
+        scene.camera.orthographic = true;
+        tool.decorate(scene);
+        REQUIRE(scene.markers.size() == 1);
+        CHECK(scene.markers[0].gizmo->moves == moves);
+        CHECK(scene.markers[0].gizmo->turns == turns);
+        CHECK(scene.markers[0].gizmo->scales == scales);
+    }
+    // The end of a bone cannot be scaled: it keeps its arrows.
+    const GizmoPlace end = withParts({Vec3::Zero(), Eigen::Matrix3d::Identity(), false, false}, GizmoParts::Scale);
+    CHECK(end.moves);
+    CHECK(!end.scales);
+}

@@ -55,7 +55,7 @@ TEST_CASE("outliner: bones, joint faces and cuts have an eye and a lock of their
     const Document& d = stage.now();
     const PartId bone = d.boneNamed("bone 1")->id, left = stage.element("left").id;
     const Cut made = d.characters.begin()->second->cuts.front();
-    const std::string cutFace = stage.element("right").piece->sides.front().face;
+    const std::string cutFace = stage.element("right body").piece->sides.front().face;
     const auto toggle = [&](const SelectionItem& item, int column) {
         const QModelIndex row = model.indexOf(item);
         REQUIRE(row.isValid());
@@ -71,7 +71,7 @@ TEST_CASE("outliner: bones, joint faces and cuts have an eye and a lock of their
     CHECK(shownOf(d, {Kind::Face, left, "tail", false}).locked);
     CHECK(!shownOf(d, {Kind::Face, left, "joint", false}).locked);
     CHECK(toggle({Kind::Face, left, "hold", false}, OutlinerModel::Visible) == "eye-off");
-    const SelectionItem cut{Kind::Cut, made.id, {}, false}, capped{Kind::Face, stage.element("right").id, cutFace, false};
+    const SelectionItem cut{Kind::Cut, made.id, {}, false}, capped{Kind::Face, stage.element("right body").id, cutFace, false};
     CHECK(toggle(cut, OutlinerModel::Locked) == "lock");
     CHECK(toggle(capped, OutlinerModel::Visible) == "eye-off");
     stage.run({{"do", "move-cut"}, {"cut", made.name}, {"plane", {{"origin", {1.7, 0, 0}}, {"normal", {1, 0, 0}}}}});

@@ -392,7 +392,7 @@ TEST_CASE("pose tool: G moves what is selected without a button, R then turns it
     CHECK(!stage.tool.wants(Qt::Key_G));
     stage.document().select({SelectionItem{Kind::Endpoint, stage.tip.bone, {}, true}});
     CHECK(stage.tool.wants(Qt::Key_G));
-    CHECK(!stage.tool.wants(Qt::Key_R));  // that records
+    CHECK(stage.tool.wants(Qt::Key_R));
     const int before = stage.steps();
     CHECK(stage.tool.key(Qt::Key_G, {}, QStringLiteral("g")));
     CHECK(stage.tool.modal());

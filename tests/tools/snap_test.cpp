@@ -171,3 +171,35 @@ TEST_CASE("snap: a cut goes through the end of a bone, and along the grid") {
     stage.letGo(tool, Vec3(0.67, 0, 0));
     CHECK(place() == doctest::Approx(0.6));
 }
+
+TEST_CASE("snap: an end goes to the nearest point of an edge, posed or at rest, slides along it, and a vertex that is near wins") {
+    SnapStage stage;
+    const double pixel = stage.at(0, 0, Qt::NoButton, {}).pixelSize;
+    SnapSettings edges = only(&SnapSettings::edges);
+    PoseTool pose(stage.document());
+    pose.setOptions({{}, edges});
+    const auto target = [&] { return stage.now().goals.at(stage.tip).target; };
+    // The rim of the box in front, from (0, 1.5, 0.5) to (3, 1.5, 0.5).
+    stage.press(pose, Vec3(3, 0, 0));
+    stage.pull(pose, Vec3(1.3, 1.5, 0.5) + Vec3(0, 5 * pixel, 0));
+    CHECK((target() - Vec3(1.3, 1.5, 0.5)).norm() < 1e-6);
+    CHECK(pose.hint().startsWith(QStringLiteral("To an edge of above")));
+    stage.pull(pose, Vec3(1.2, 1.5, 0.5) + Vec3(0, -14 * pixel, 0));  // held as far as others are
+    CHECK((target() - Vec3(1.2, 1.5, 0.5)).norm() < 1e-6);
+    stage.pull(pose, Vec3(1.5, 1.5, 0.5) + Vec3(3 * pixel, 2 * pixel, 0));
+    CHECK((target() - Vec3(1.5 + 3 * pixel, 1.5, 0.5)).norm() < 1e-6);
+    edges.vertices = true;
+    pose.setOptions({{}, edges});
+    stage.pull(pose, Vec3(1.5, 1.5, 0.5) + Vec3(3 * pixel, 2 * pixel, 0));
+    CHECK((target() - Vec3(1.5, 1.5, 0.5)).norm() < 1e-6);
+    pose.cancel();
+    edges.vertices = false;
+    BoneTool bones(stage.document());
+    ToolOptions options;
+    options.snap = edges;
+    bones.setOptions(options);
+    stage.press(bones, Vec3(3, 0, 0));
+    stage.pull(bones, Vec3(2.2, 1.5, 0.5) + Vec3(0, 4 * pixel, 0));
+    stage.letGo(bones, Vec3(2.2, 1.5, 0.5) + Vec3(0, 4 * pixel, 0));
+    CHECK((stage.restOf(stage.tip) - Vec3(2.2, 1.5, 0.5)).norm() < 1e-6);
+}

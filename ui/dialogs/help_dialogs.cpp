@@ -41,7 +41,7 @@ ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation,
         {tr("While dragging the end of a bone: the trunk leans, too, or stays upright"), QStringLiteral("B")},
         {tr("While dragging: finer, in steps"), tr("Shift, Ctrl")},
         {tr("While dragging flesh: keep the temporary handle"), QStringLiteral("K")},
-        {tr("Without a button: move what is selected, with the bone tool turn and scale it, too"), QStringLiteral("G, R, S")},
+        {tr("Without a button: move, turn and scale what is selected"), blenderNavigation ? QStringLiteral("G, R, S") : QStringLiteral("G, S")},
         {tr("Cut here, or accept a proposal"), tr("Enter")},
     };
     Rows commands;  // keys can be changed

@@ -43,6 +43,10 @@ Vec3 valueOf(const std::array<NumberField*, 3>& fields) {
     return v;
 }
 
+void setVector(const std::array<NumberField*, 3>& fields, const Vec3& value) {
+    for (int axis = 0; axis < 3; ++axis) fields[std::size_t(axis)]->setValue(value[axis]);
+}
+
 /// The element that is meant by what is selected, else the first.
 const Element* meantElement(const StudioDocument& document) {
     const Document& d = document.document();
@@ -56,8 +60,12 @@ const Element* meantElement(const StudioDocument& document) {
 
 }  // namespace
 
-PlaceDialog::PlaceDialog(StudioDocument& document, Kind kind, QWidget* parent) : QDialog(parent), document_(document), kind_(kind), sections_(new QVBoxLayout) {
-    setWindowTitle(titleOf(kind));
+PlaceDialog::PlaceDialog(StudioDocument& document, Kind kind, QWidget* parent) : PlaceDialog(document, kind, std::nullopt, parent) {}
+PlaceDialog::PlaceDialog(StudioDocument& document, const FaceRef& edited, QWidget* parent) : PlaceDialog(document, Kind::Face, std::optional(edited), parent) {}
+
+PlaceDialog::PlaceDialog(StudioDocument& document, Kind kind, std::optional<FaceRef> edited, QWidget* parent)
+    : QDialog(parent), document_(document), kind_(kind), edited_(std::move(edited)), sections_(new QVBoxLayout) {
+    setWindowTitle(edited_ ? tr("Move a joint face") : titleOf(kind));
     setObjectName(QStringLiteral("placeDialog"));
     sections_->setSpacing(px(9));
     switch (kind) {
@@ -70,7 +78,7 @@ PlaceDialog::PlaceDialog(StudioDocument& document, Kind kind, QWidget* parent) :
     refused_->setWordWrap(true);
     refused_->hide();
     auto* buttons = new QDialogButtonBox(this);
-    named(buttons->addButton(tr("Place"), QDialogButtonBox::AcceptRole), "place")->setDefault(true);
+    named(buttons->addButton(edited_ ? tr("Move") : tr("Place"), QDialogButtonBox::AcceptRole), "place")->setDefault(true);
     buttons->addButton(tr("Cancel"), QDialogButtonBox::RejectRole)->setAutoDefault(false);
     connect(buttons, &QDialogButtonBox::accepted, this, &PlaceDialog::place);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
@@ -114,6 +122,8 @@ void PlaceDialog::addElements(bool characters) {
     for (const auto& [id, element] : now().elements)
         if (!characters || !element->piece) add(element->name);
     on_->setCurrentIndex(std::max(0, on_->findData(QString::fromStdString(wanted))));
+    on_->setObjectName(QStringLiteral("placeOn"));
+    connect(on_, &QComboBox::currentIndexChanged, this, &PlaceDialog::propose);
     addSection({})->add(characters ? tr("Body") : tr("Element"), on_);
 }
 
@@ -158,33 +168,58 @@ void PlaceDialog::addBoneFields() {
 }
 
 void PlaceDialog::addPlaneFields() {
-    const Element* element = meantElement(document_);
-    const std::string name = kind_ == Kind::Cut ? numberedName(now(), "cut", 1) : element ? freeFaceName(*element) : std::string();
-    name_ = new QLineEdit(QString::fromStdString(name), this);
+    name_ = new QLineEdit(this);
     addSection({})->add(tr("Name"), name_);
     addElements(kind_ == Kind::Cut);
-    const Bounds bounds = element ? boundsOf(element->mesh->body.vertices) : Bounds{};
+    origin_ = addVector(tr("Origin"), QStringLiteral("m"), 0.001, Vec3::Zero());
+    normal_ = addVector(tr("Normal"), {}, 0.01, Vec3::UnitX());
+    if (kind_ == Kind::Face) {
+        size_ = new NumberField({QStringLiteral("m"), 0.0, 1e6, 1e-5, 5, 1.0, {}}, this);
+        addSection({})->add(tr("Tolerance"), size_);
+    }
+    propose();
+    if (!edited_) return;
+    // It keeps its name, and its element.
+    on_->setCurrentIndex(std::max(0, on_->findData(QString::fromStdString(now().elements.at(edited_->element)->name))));
+    name_->setText(QString::fromStdString(edited_->face));
+    for (QWidget* field : {static_cast<QWidget*>(name_), static_cast<QWidget*>(on_)}) field->setEnabled(false);
+    const Element& element = *now().elements.at(edited_->element);
+    const FaceFrame& frame = element.faces[std::size_t(element.faceIndex(edited_->face))].frame;
+    setVector(origin_, frame.origin);
+    setVector(normal_, frame.axes.col(2));
+}
+
+void PlaceDialog::addHandleFields() {
+    addElements(false);
+    origin_ = addVector(tr("Place on the surface"), QStringLiteral("m"), 0.001, Vec3::Zero());
+    size_ = new NumberField({QStringLiteral("m"), 0.0, 1e6, 0.001, 4, 1.0, {}}, this);
+    addSection({})->add(tr("Radius"), size_);
+    propose();
+}
+
+void PlaceDialog::propose() {
+    const Element* element = now().elementNamed(chosen());
+    const CharacterSource* character = now().characterNamed(chosen());
+    const Points* body = element ? &element->mesh->body.vertices : character ? &character->body->mesh.vertices : nullptr;
+    if (!body || body->rows() == 0) return;
+    const Bounds bounds = boundsOf(*body);
+    if (name_ && name_->text() == proposedName_) {  // what the artist called it stays
+        proposedName_ = QString::fromStdString(kind_ == Kind::Cut ? numberedName(now(), "cut", 1) : element ? freeFaceName(*element) : std::string());
+        name_->setText(proposedName_);
+    }
+    if (kind_ == Kind::Handle) {
+        setVector(origin_, body->row(0).transpose());
+        size_->setValue(kRadius * bounds.diagonal());
+        return;
+    }
     // Across the longest side: a cut in the middle, a joint face at the end.
     int longest = 0;
     bounds.size().maxCoeff(&longest);
     Vec3 origin = 0.5 * (bounds.low + bounds.high);
     if (kind_ == Kind::Face) origin[longest] = bounds.high[longest];
-    origin_ = addVector(tr("Origin"), QStringLiteral("m"), kStep * bounds.diagonal(), origin);
-    normal_ = addVector(tr("Normal"), {}, 0.01, Vec3::Unit(longest));
-    if (kind_ == Kind::Cut) return;
-    size_ = new NumberField({QStringLiteral("m"), 0.0, 1e6, 0.1 * kStep * bounds.diagonal(), 5, 1.0, {}}, this);
-    size_->setValue(kTolerance * bounds.diagonal());
-    addSection({})->add(tr("Tolerance"), size_);
-}
-
-void PlaceDialog::addHandleFields() {
-    addElements(false);
-    const Element* element = meantElement(document_);
-    const Bounds bounds = element ? boundsOf(element->mesh->body.vertices) : Bounds{};
-    origin_ = addVector(tr("Place on the surface"), QStringLiteral("m"), kStep * bounds.diagonal(), element ? Vec3(element->mesh->body.vertices.row(0).transpose()) : Vec3::Zero());
-    size_ = new NumberField({QStringLiteral("m"), 0.0, 1e6, kStep * bounds.diagonal(), 4, 1.0, {}}, this);
-    size_->setValue(kRadius * bounds.diagonal());
-    addSection({})->add(tr("Radius"), size_);
+    setVector(origin_, origin);
+    setVector(normal_, Vec3::Unit(longest));
+    if (size_) size_->setValue(kTolerance * bounds.diagonal());
 }
 
 void PlaceDialog::place() {
@@ -220,6 +255,10 @@ Result<SelectionItem> PlaceDialog::placed() {
         return SelectionItem{};
     }
     const double size = size_->value().value_or(0.0);
+    if (edited_) {
+        IMOMUSHI_TRY(const Json answer, document_.execute(commands::editJointFace(pathOf(now(), *edited_), origin, valueOf(normal_), size), true));
+        return SelectionItem{SelectionItem::Kind::Face, edited_->element, edited_->face, false};
+    }
     if (kind_ == Kind::Face) {
         IMOMUSHI_TRY(const Json answer, document_.execute(commands::addJointFace(chosen(), name, origin, valueOf(normal_), size), true));
         return SelectionItem{SelectionItem::Kind::Face, now().elementNamed(chosen())->id, name, false};

@@ -3,6 +3,7 @@
 
 #include <QDialog>
 #include <array>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -24,8 +25,11 @@ class PlaceDialog : public QDialog {
 public:
     enum class Kind { Bone, Face, Cut, Handle };
     PlaceDialog(StudioDocument& document, Kind kind, QWidget* parent = nullptr);
+    /// Moves a joint face that is there to another plane.
+    PlaceDialog(StudioDocument& document, const FaceRef& edited, QWidget* parent = nullptr);
 
 private:
+    PlaceDialog(StudioDocument& document, Kind kind, std::optional<FaceRef> edited, QWidget* parent);
     /// An end of a bone: what it is at, or a point of its own.
     struct End {
         QComboBox* at;
@@ -39,6 +43,8 @@ private:
     void addBoneFields();
     void addPlaneFields();
     void addHandleFields();
+    /// Says where what is chosen has its proposed plane or place, and what it would be called.
+    void propose();
     void place();
     [[nodiscard]] Result<SelectionItem> placed();
     [[nodiscard]] Result<SelectionItem> placedBone();
@@ -46,6 +52,8 @@ private:
 
     StudioDocument& document_;
     Kind kind_;
+    std::optional<FaceRef> edited_;
+    QString proposedName_;
     QVBoxLayout* sections_;
     QLineEdit* name_ = nullptr;
     QComboBox* on_ = nullptr;  ///< the element or character

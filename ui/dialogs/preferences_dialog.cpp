@@ -123,6 +123,7 @@ void PreferencesDialog::rebuild() {
     row(tr("Mouse in the view"), {tr("Like Blender (middle button)"), tr("Like Maya (Alt and buttons)")}, QSettings().value(QStringLiteral("view/navigation"), 0).toInt(), [this](int i) {
         QSettings().setValue(QStringLiteral("view/navigation"), i);
         Q_EMIT navigationChanged(i);
+        fillShortcuts();  // some keys are those of its studio
     });
     row(tr("Deform on"), {tr("Automatic"), tr("Processor"), tr("Graphics card")}, QSettings().value(QStringLiteral("view/deform-on"), 0).toInt(), [this](int i) {
         QSettings().setValue(QStringLiteral("view/deform-on"), i);

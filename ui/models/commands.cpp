@@ -199,6 +199,10 @@ Json addJointFace(const std::string& element, const std::string& name, const Vec
     return {{"do", "add-joint-face"}, {"element", element}, {"name", name}, {"plane", planeJson(origin, normal)}, {"tolerance", tolerance}};
 }
 
+Json editJointFace(const std::string& face, const Vec3& origin, const Vec3& normal, double tolerance) {
+    return {{"do", "edit-joint-face"}, {"face", face}, {"plane", planeJson(origin, normal)}, {"tolerance", tolerance}};
+}
+
 Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, const std::optional<std::pair<std::string, std::string>>& names,
          const std::optional<std::string>& name) {
     Json command = {{"do", "cut"}, {"element", element}, {"plane", planeJson(origin, normal)}};

@@ -74,8 +74,10 @@ void RecentFiles::setThumbnail(const QString& path, const QImage& picture) {
 QList<Sample> samples() {
     QList<Sample> found;
     for (const QString& folder : sampleFolders()) {
-        for (const QFileInfo& file : QDir(folder).entryInfoList({QStringLiteral("*.imomushi")}, QDir::Files, QDir::Name))
-            found << Sample{file.completeBaseName(), file.absoluteFilePath(), file.absolutePath() + u'/' + file.completeBaseName() + QStringLiteral(".jpg")};
+        for (const QFileInfo& file : QDir(folder).entryInfoList({QStringLiteral("*.imomushi")}, QDir::Files, QDir::Name)) {
+            const QString base = file.absolutePath() + u'/' + file.completeBaseName(), script = base + QStringLiteral("/make.jsonl");
+            found << Sample{file.completeBaseName(), file.absoluteFilePath(), base + QStringLiteral(".jpg"), QFileInfo::exists(script) ? script : QString()};
+        }
         if (!found.isEmpty()) break;
     }
     return found;

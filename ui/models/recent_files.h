@@ -28,6 +28,7 @@ struct Sample {
     QString name;  ///< of the file, without suffix
     QString path;
     QString picture;  ///< a JPEG file beside it
+    QString script;   ///< that builds it, one command a line; empty: it is not there
 };
 QList<Sample> samples();
 /// The pages of the manual in a language ("en", "ja"); empty: they are not there.

@@ -19,7 +19,7 @@ inline bool isOneOf(GizmoPart part, GizmoPart x) { return int(part) >= int(x) &&
 /// A gizmo: three axes, three planes, rings and a middle, as large everywhere.
 struct GizmoLook {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns, unit
-    bool turns = false, scales = false;
+    bool turns = false, scales = false, moves = true;
     GizmoPart hovered = GizmoPart::None;
 };
 

@@ -158,13 +158,13 @@ void addGizmo(const Vec3& at, const GizmoLook& look, const Scene& scene, double 
         const Vec3 axis = look.axes.col(k);
         if (const double fade = axisFade(axis, view); fade > 0.0) {
             const GizmoPart part = partOf(GizmoPart::AxisX, k);
-            const Vec3 neck = at + Sizes::kNeck * metres * axis;
-            addPolyline({at + Sizes::kStem * metres * axis, neck}, false, color(k, part, fade), wide(part, 1.5f), out.lines);
-            addCone(neck, at + Sizes::kTip * metres * axis, (look.hovered == part ? 6.5 : 5.5) * metres, color(k, part, fade), out.gizmo);
-            const GizmoPart scale = partOf(GizmoPart::ScaleX, k);
+            const GizmoPart scale = partOf(GizmoPart::ScaleX, k), stem = look.moves ? part : scale;
+            const Vec3 neck = at + Sizes::kNeck * metres * axis, end = look.moves ? neck : Vec3(at + Sizes::kScale * metres * axis);
+            if (look.moves || look.scales) addPolyline({at + Sizes::kStem * metres * axis, end}, false, color(k, stem, fade), wide(stem, 1.5f), out.lines);
+            if (look.moves) addCone(neck, at + Sizes::kTip * metres * axis, (look.hovered == part ? 6.5 : 5.5) * metres, color(k, part, fade), out.gizmo);
             if (look.scales) addBox(at + Sizes::kScale * metres * axis, look.axes, (look.hovered == scale ? 1.3 : 1.0) * Sizes::kBox * metres, color(k, scale, fade), out.gizmo);
         }
-        if (const double fade = planeFade(axis, view); fade > 0.0) {
+        if (const double fade = planeFade(axis, view); look.moves && fade > 0.0) {
             const GizmoPart part = partOf(GizmoPart::PlaneX, k);
             std::vector<Vec3> corners;
             for (const Vec3& corner : gizmoPlane(look.axes, k, view)) corners.push_back(at + metres * corner);
@@ -172,6 +172,7 @@ void addGizmo(const Vec3& at, const GizmoLook& look, const Scene& scene, double 
             addPolyline(corners, true, color(k, part, 0.9 * fade), wide(part, 0.8f), out.lines);
         }
     }
+    if (!look.moves) return;
     const bool middle = look.hovered == GizmoPart::Middle;
     out.points.push_back({at.cast<float>(), Vector3f((middle ? 8.5f : 7.0f) * unit, 0.0f, kGizmoBehind), color(-1, GizmoPart::Middle, 1.0)});
 }

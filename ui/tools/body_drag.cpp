@@ -35,7 +35,7 @@ const BodyDrag::Parts& BodyDrag::parts() const {
 
 std::optional<GizmoPlace> BodyDrag::gizmo() const {
     if (!shown_ || busy() || !chosen()) return std::nullopt;
-    return GizmoPlace{parts().middle, Eigen::Matrix3d::Identity(), true, true};
+    return withParts({parts().middle, Eigen::Matrix3d::Identity(), true, true}, gizmoParts_);
 }
 
 render::GizmoPart BodyDrag::gizmoPart(const PointerEvent& e) const {

@@ -24,6 +24,7 @@ public:
         snap_.set(options.snap);
         shown_ = options.gizmo;
         space_ = options.space;
+        gizmoParts_ = options.parts;
     }
     /// What is selected can be taken: elements and characters alone, none of which is locked.
     [[nodiscard]] bool chosen() const { return !parts().names.empty(); }
@@ -72,6 +73,7 @@ private:
     Snap snap_;
     bool shown_ = true;
     GizmoSpace space_ = GizmoSpace::World;
+    GizmoParts gizmoParts_ = GizmoParts::All;
     render::GizmoPart hovered_ = render::GizmoPart::None;
     std::optional<TransformDrag> drag_;
     mutable Parts parts_;

@@ -98,7 +98,7 @@ std::optional<GizmoPlace> BoneDrag::gizmo() const {
     for (const Point& point : points) place.at += point.shown / double(points.size());
     place.turns = place.scales = points.size() > 1;
     place.local = axesOfBone(document_.session(), document_.selection().front().part);
-    return place;
+    return withParts(place, gizmoParts_);
 }
 
 bool BoneDrag::press(render::GizmoPart part, const PointerEvent& e) {

@@ -22,6 +22,7 @@ public:
     void setOptions(const ToolOptions& options) {
         snap_.set(options.snap);
         space_ = options.space;
+        gizmoParts_ = options.parts;
         symmetry_ = options.symmetry;
     }
     /// Where the gizmo of what is selected stands; none: no bones are selected.
@@ -89,6 +90,7 @@ private:
     StudioDocument& document_;
     Snap snap_;
     GizmoSpace space_ = GizmoSpace::World;
+    GizmoParts gizmoParts_ = GizmoParts::All;
     bool symmetry_ = false;
     std::optional<Drag> drag_;
 };

@@ -290,7 +290,7 @@ void BoneTool::mirror(const Symmetry& symmetry, const std::string& name) {
 
 bool BoneTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
     if (drag_.busy()) return drag_.key(key, modifiers, text);
-    if ((key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S) && last_ && modifiers == Qt::NoModifier) {
+    if ((key == Qt::Key_G || (key == Qt::Key_R && turnKey_) || key == Qt::Key_S) && last_ && modifiers == Qt::NoModifier) {
         start_.reset();
         dragged_.reset();
         const auto does = key == Qt::Key_G ? BoneDrag::Does::Moves : key == Qt::Key_R ? BoneDrag::Does::Turns : BoneDrag::Does::Scales;
@@ -307,7 +307,8 @@ bool BoneTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
 
 bool BoneTool::wants(int key) const {
     if (key == Qt::Key_Return || key == Qt::Key_Enter) return start_.has_value();
-    return last_ && bonesSelected() && (key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S);
+    if (drag_.busy()) return key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S;
+    return last_ && bonesSelected() && (key == Qt::Key_G || (key == Qt::Key_R && turnKey_) || key == Qt::Key_S);
 }
 
 void BoneTool::cancel() {

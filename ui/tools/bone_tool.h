@@ -21,6 +21,7 @@ public:
         gizmo_ = options.gizmo;
         symmetry_ = options.symmetry;
         space_ = options.space;
+        turnKey_ = options.turnKey;
     }
     void press(const PointerEvent& e) override;
     void move(const PointerEvent& e) override;
@@ -68,7 +69,7 @@ private:
     [[nodiscard]] render::GizmoPart gizmoPart(const PointerEvent& e) const;
 
     BoneDrag drag_;
-    bool gizmo_ = true, symmetry_ = false;
+    bool gizmo_ = true, symmetry_ = false, turnKey_ = true;
     GizmoSpace space_ = GizmoSpace::World;
     render::GizmoPart part_ = render::GizmoPart::None;  ///< under the pointer
     std::optional<EndpointRef> dragged_;

@@ -45,6 +45,13 @@ Eigen::Matrix3d axesOfBone(const Session& session, PartId bone) {
     return axes;
 }
 
+GizmoPlace withParts(GizmoPlace place, GizmoParts parts) {
+    if (parts == GizmoParts::Move) place.turns = place.scales = false;
+    if (parts == GizmoParts::Turn && place.turns) place.moves = place.scales = false;
+    if (parts == GizmoParts::Scale && place.scales) place.moves = place.turns = false;
+    return place;
+}
+
 bool turnsBy(GizmoPart part) { return part == GizmoPart::RingView || render::isOneOf(part, GizmoPart::RingX); }
 
 void lockTo(AxisLock& lock, GizmoPart part) {
@@ -58,7 +65,7 @@ GizmoPart gizmoUnder(const PointerEvent& e, const GizmoPlace& place, GizmoSpace 
     const Eigen::Vector2d q(e.x, e.y);
     const double fromCentre = (q - *centre).norm(), metres = e.pixelAt(place.at);
     if (fromCentre > Sizes::kReach + kBesidePixels) return GizmoPart::None;
-    if (fromCentre <= kMiddlePixels) return GizmoPart::Middle;
+    if (place.moves && fromCentre <= kMiddlePixels) return GizmoPart::Middle;
     const Vec3 view = e.pixelSize > 0.0 ? e.viewForward : Vec3((place.at - e.rayOrigin).normalized());
     const Eigen::Matrix3d axes = gizmoAxes(space, place.local, e.viewForward, e.viewRight);
     const auto at = [&](const Vec3& pixels) { return e.onScreen(place.at + metres * pixels); };
@@ -67,9 +74,9 @@ GizmoPart gizmoUnder(const PointerEvent& e, const GizmoPlace& place, GizmoSpace 
         if (render::axisFade(axis, view) < kLeastFade) continue;
         const auto box = at(Sizes::kScale * axis), stem = at(Sizes::kStem * axis), tip = at(Sizes::kTip * axis);
         if (place.scales && box && (*box - q).norm() <= Sizes::kBox + kBesidePixels - 1.0) return render::partOf(GizmoPart::ScaleX, k);
-        if (stem && tip && toSegment(q, *stem, *tip) <= kBesidePixels) return render::partOf(GizmoPart::AxisX, k);
+        if (place.moves && stem && tip && toSegment(q, *stem, *tip) <= kBesidePixels) return render::partOf(GizmoPart::AxisX, k);
     }
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3 && place.moves; ++k) {
         if (render::planeFade(axes.col(k), view) < kLeastFade) continue;
         const auto corners = render::gizmoPlane(axes, k, view);
         Eigen::Vector2d s[4];
@@ -110,6 +117,7 @@ void addGizmo(render::Scene& scene, const GizmoPlace& place, GizmoSpace space, G
     look->axes = gizmoAxes(space, place.local, -view.block<1, 3>(2, 0).transpose(), view.block<1, 3>(0, 0).transpose());
     look->turns = place.turns;
     look->scales = place.scales;
+    look->moves = place.moves;
     look->hovered = hovered;
     render::Marker marker;
     marker.shape = render::Marker::Shape::Gizmo;

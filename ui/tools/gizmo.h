@@ -12,7 +12,10 @@ struct GizmoPlace {
     Vec3 at = Vec3::Zero();                                  ///< m, world
     Eigen::Matrix3d local = Eigen::Matrix3d::Identity();     ///< columns: axes of what is selected, unit
     bool turns = false, scales = false;
+    bool moves = true;
 };
+/// With these parts alone; all of them where it has none of these.
+[[nodiscard]] GizmoPlace withParts(GizmoPlace place, GizmoParts parts);
 
 /// The axes in which things are dragged. `forward`, `right`: of the view.
 Eigen::Matrix3d gizmoAxes(GizmoSpace space, const Eigen::Matrix3d& local, const Vec3& forward, const Vec3& right);

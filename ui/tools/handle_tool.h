@@ -17,7 +17,9 @@ class HandleTool : public Tool {
 public:
     explicit HandleTool(StudioDocument& document) : Tool(document), pose_(document), edit_(document) {}
     void setOptions(const ToolOptions& options) override {
-        pose_.setOptions({{}, options.snap, options.gizmo, options.space, options.symmetry});
+        ToolOptions posing = options;
+        posing.passingHandles = {};
+        pose_.setOptions(posing);
         edit_.setSnap(options.snap);
     }
     void press(const PointerEvent& e) override;

@@ -26,7 +26,7 @@ std::optional<GizmoPlace> PoseTool::gizmo() const {
     if (!gizmo_ || !options_.gizmo || busy()) return std::nullopt;
     const auto grip = selectedGrip();
     const auto at = grip ? gripPosition(document_.session(), *grip) : std::nullopt;
-    return at ? std::optional(GizmoPlace{*at, axesOf(*grip), grip->isHandle(), false}) : std::nullopt;
+    return at ? std::optional(withParts({*at, axesOf(*grip), grip->isHandle(), false}, options_.parts)) : std::nullopt;
 }
 
 render::GizmoPart PoseTool::gizmoPart(const PointerEvent& e) const {

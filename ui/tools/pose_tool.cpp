@@ -79,12 +79,13 @@ std::optional<PoseGrip> PoseTool::selectedGrip() const {
     return std::nullopt;
 }
 
-bool PoseTool::grabSelected(const PointerEvent& e) {
+bool PoseTool::grabSelected(const PointerEvent& e, bool turns) {
     const auto grip = selectedGrip();
     const auto at = grip ? gripPosition(document_.session(), *grip) : std::nullopt;
     if (!at || busy()) return false;
     take(*grip, *at, e);
     drag_->modal = true;
+    turning_ = turns;
     return true;
 }
 
@@ -359,7 +360,7 @@ bool PoseTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
         bringBack();
         return true;
     }
-    if (!drag_) return key == Qt::Key_G && modifiers == Qt::NoModifier && over_ && grabSelected(*over_);
+    if (!drag_) return (key == Qt::Key_G || (key == Qt::Key_R && options_.turnKey)) && modifiers == Qt::NoModifier && over_ && grabSelected(*over_, key == Qt::Key_R);
     if (drag_->modal && key == Qt::Key_G) {
         turning_ = false;
         return true;
@@ -403,7 +404,7 @@ bool PoseTool::type(int key, const QString& text) {
 
 bool PoseTool::wants(int key) const {
     if (key == Qt::Key_P) return drag_ || hovered_;
-    if (key == Qt::Key_G) return drag_ || (over_ && gripSelected());
+    if (key == Qt::Key_G || (key == Qt::Key_R && options_.turnKey)) return drag_ || (over_ && gripSelected());
     if (key == Qt::Key_K) return letGo_ || (drag_ && drag_->passing);
     if (key == Qt::Key_B) return drag_ && !drag_->end.isHandle();
     return drag_ && (key == Qt::Key_R || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z);

@@ -34,8 +34,8 @@ public:
     void press(const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
-    /// Takes the selected end of a bone or handle, and the pointer leads it without a button, until a press or Enter. False: none is selected.
-    bool grabSelected(const PointerEvent& e);
+    /// Takes the selected end of a bone or handle, and the pointer leads or turns it without a button, until a press or Enter. False: none is selected.
+    bool grabSelected(const PointerEvent& e, bool turns = false);
     [[nodiscard]] bool gripSelected() const { return selectedGrip().has_value(); }
     [[nodiscard]] bool modal() const override { return drag_ && drag_->modal; }
     void move(const PointerEvent& e) override;

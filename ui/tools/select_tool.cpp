@@ -204,6 +204,7 @@ bool SelectTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& te
     if (body_.busy()) return body_.key(key, modifiers, text);
     if (busy()) return pose_.key(key, modifiers, text);
     if (key == Qt::Key_G && modifiers == Qt::NoModifier && last_) return body_.begin(BodyDrag::Does::Moves, *last_) || cut_.begin(false, *last_) || pose_.grabSelected(*last_);
+    if (key == Qt::Key_R && modifiers == Qt::NoModifier && last_ && turnKey_) return body_.begin(BodyDrag::Does::Turns, *last_) || cut_.begin(true, *last_) || pose_.grabSelected(*last_, true);
     if (key == Qt::Key_S && modifiers == Qt::NoModifier && last_) return body_.begin(BodyDrag::Does::Scales, *last_);
     if (key != Qt::Key_Delete && key != Qt::Key_Backspace) return false;
     return removeSelection(document_);
@@ -213,8 +214,9 @@ bool SelectTool::wants(int key) const {
     if (cut_.busy()) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
     if (body_.busy()) return key == Qt::Key_G || key == Qt::Key_R || key == Qt::Key_S || key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
     if (busy()) return pose_.wants(key);
-    if ((key == Qt::Key_G || key == Qt::Key_S) && last_ && body_.chosen()) return true;
-    return key == Qt::Key_G && last_ && document_.selection().size() == 1 && (cutOf(document_.document(), document_.selection().front()) || pose_.gripSelected());
+    const bool turns = key == Qt::Key_R && turnKey_;
+    if ((key == Qt::Key_G || key == Qt::Key_S || turns) && last_ && body_.chosen()) return true;
+    return (key == Qt::Key_G || turns) && last_ && document_.selection().size() == 1 && (cutOf(document_.document(), document_.selection().front()) || pose_.gripSelected());
 }
 
 QString SelectTool::hint() const {
@@ -226,7 +228,7 @@ QString SelectTool::hint() const {
     if (document_.hovered() && isGrip(document_, *document_.hovered()))
         return ToolTexts::tr("Click: select · Drag: pose");
     if (document_.selection().empty()) return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add");
-    if (body_.chosen()) return ToolTexts::tr("Click or drag a box: select · G: move, then R: turn · S: scale · Delete: remove");
+    if (body_.chosen()) return ToolTexts::tr("Click or drag a box: select · G, R, S: move, turn, scale · Delete: remove");
     return ToolTexts::tr("Click or drag a box: select · Ctrl+drag: lasso · Shift: add · Delete: remove");
 }
 

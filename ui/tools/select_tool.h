@@ -10,12 +10,15 @@ namespace imomushi {
 
 /// Click selects, Shift+click adds or takes away, a click on nothing clears; Delete removes what is selected. A drag that begins on nothing selects all that its box
 /// touches, or with Ctrl what its loop touches, with Shift beside what was selected. Ends of bones can be dragged as with the pose tool, and the plane of the selected cut;
-/// attached parts are turned; selected elements and characters are moved, turned and scaled by their gizmo, or by G and S.
+/// attached parts are turned; selected elements and characters are moved, turned and scaled by their gizmo, or by G, R and S.
 class SelectTool : public Tool {
 public:
     explicit SelectTool(StudioDocument& document) : Tool(document), pose_(document), cut_(document), part_(document), body_(document) { pose_.showGizmo(true); }
     void setOptions(const ToolOptions& options) override {
-        pose_.setOptions({{}, options.snap, options.gizmo, options.space, options.symmetry});
+        ToolOptions posing = options;
+        posing.passingHandles = {};
+        pose_.setOptions(posing);
+        turnKey_ = options.turnKey;
         cut_.setSnap(options.snap);
         body_.setOptions(options);
     }
@@ -58,7 +61,7 @@ private:
     CutDrag cut_;
     PartDrag part_;
     BodyDrag body_;
-    bool overGizmo_ = false;
+    bool overGizmo_ = false, turnKey_ = true;
     bool overCut_ = false;  // the pointer is over the plane of the selected cut
     std::optional<Drag> drag_;
     std::optional<PointerEvent> last_;  // where keys begin

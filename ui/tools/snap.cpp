@@ -49,6 +49,14 @@ double pixelsFrom(const PointerEvent& e, const Vec3& p) {
     return s ? (*s - Eigen::Vector2d(e.x, e.y)).norm() : std::numeric_limits<double>::infinity();
 }
 
+/// The point of an edge that the pointer's ray passes nearest to.
+Vec3 nearestOnEdge(const PointerEvent& e, const Vec3& a, const Vec3& b) {
+    const Vec3 along = b - a, from = e.rayOrigin - a;
+    const double slope = along.dot(e.rayDirection), square = along.squaredNorm() - slope * slope;
+    if (!(square > 1e-12 * along.squaredNorm())) return a;  // seen end on
+    return a + std::clamp((from.dot(along) - slope * from.dot(e.rayDirection)) / square, 0.0, 1.0) * along;
+}
+
 double inSteps(double free, double step, std::optional<double> held) {
     if (!(step > 0.0)) return free;
     if (held && std::abs(free - *held) <= kLeaveStep * step && std::abs(std::remainder(*held, step)) < 1e-6 * step) return *held;
@@ -121,32 +129,48 @@ std::optional<Snap::Place> Snap::find(const PointerEvent& e) const {
     };
     const auto entry = [](const std::vector<RayHit>& hits) { return std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; }); };
     std::vector<RayHit> hits;
-    if (settings_.vertices || settings_.surface || settings_.middle) hits = seenFrom(e);
-    if (settings_.vertices) {
-        const auto corners = [&](const std::vector<RayHit>& along) {
+    const bool corners = settings_.vertices || settings_.edges;
+    if (corners || settings_.surface || settings_.middle) hits = seenFrom(e);
+    std::vector<std::pair<double, Place>> edges;  // behind vertices and ends, which are places of their own on them
+    if (corners) {
+        const auto offerEdge = [&](PartId of, std::int32_t v, std::int32_t w, const auto& at) {
+            const Place place{Place::Kind::Edge, nearestOnEdge(e, at(v), at(w)), of, std::min(v, w), std::max(v, w)};
+            if (const double pixels = pixelsFrom(e, place.at); pixels <= kLeavePixels) edges.emplace_back(pixels, place);
+        };
+        const auto offerTriangle = [&](PartId of, const auto& vertices, const auto& at) {
+            for (int c = 0; c < 3; ++c) {
+                const std::int32_t v = vertices(c), w = vertices((c + 1) % 3);
+                if (settings_.vertices) offer({Place::Kind::Vertex, at(v), of, v});
+                if (settings_.edges) offerEdge(of, v, w, at);
+            }
+        };
+        const auto offerAlong = [&](const std::vector<RayHit>& along) {
             const auto hit = entry(along);
             if (hit == along.end()) return;
             if (hit->character) {
                 for (const SeenMesh& seen : seenMeshes(session))
-                    if (seen.source->id == hit->character)
-                        for (int c = 0; c < 3; ++c) {
-                            const std::int32_t v = seen.model().mesh.body.triangles(hit->seen, c);
-                            offer({Place::Kind::Vertex, seen.at(v), hit->character, v});
-                        }
+                    if (seen.source->id == hit->character) offerTriangle(hit->character, seen.model().mesh.body.triangles.row(hit->seen), [&](std::int32_t v) { return seen.at(v); });
                 return;
             }
             const Element& element = *session.document().elements.at(hit->element);
             const PosedBody body(session, hit->element, element);
-            for (int c = 0; c < 3; ++c) {
-                const std::int32_t v = element.mesh->body.triangles(hit->triangle, c);
-                offer({Place::Kind::Vertex, body.at(v), hit->element, v});
-            }
+            offerTriangle(hit->element, element.mesh->body.triangles.row(hit->triangle), [&](std::int32_t v) { return body.at(v); });
         };
-        corners(hits);
+        offerAlong(hits);
+        // What was reached is seen further off than rays around the pointer find it.
+        if (place_ && place_->kind == Place::Kind::Edge) {
+            const auto element = session.document().elements.find(place_->of);
+            if (element != session.document().elements.end() && place_->to < element->second->mesh->body.vertices.rows()) {
+                const PosedBody body(session, place_->of, *element->second);
+                offerEdge(place_->of, place_->index, place_->to, [&](std::int32_t v) { return body.at(v); });
+            }
+            for (const SeenMesh& seen : seenMeshes(session))
+                if (seen.source->id == place_->of && place_->to < seen.model().mesh.body.vertices.rows()) offerEdge(place_->of, place_->index, place_->to, [&](std::int32_t v) { return seen.at(v); });
+        }
         const Vec3 up = e.viewRight.cross(e.viewForward), middle = e.rayOrigin + e.rayDirection / std::max(1e-9, e.viewForward.dot(e.rayDirection));
         for (int i = 0; i < kAround; ++i) {
             const double angle = 2.0 * std::numbers::pi * i / kAround, reach = kAroundPixels * e.pixelAt(middle);
-            corners(seenFrom(through(e, middle + reach * (std::cos(angle) * e.viewRight + std::sin(angle) * up))));
+            offerAlong(seenFrom(through(e, middle + reach * (std::cos(angle) * e.viewRight + std::sin(angle) * up))));
         }
     }
     std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -155,6 +179,9 @@ std::optional<Snap::Place> Snap::find(const PointerEvent& e) const {
         if (held != near.end() && held->first - near.front().first < kNearerPixels) return held->second;
         if (near.front().first <= kTakePixels) return near.front().second;
     }
+    // Along a line of edges it slides on from one to the next.
+    const auto nearest = std::min_element(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (nearest != edges.end() && (nearest->first <= kTakePixels || (place_ && place_->kind == Place::Kind::Edge))) return nearest->second;
     const std::vector<RayHit>::const_iterator in = entry(hits);
     if (in == hits.cend()) return std::nullopt;
     if (settings_.middle) {
@@ -175,6 +202,7 @@ QString Snap::text() const {
     switch (place_->kind) {
         case Place::Kind::Grid: return ToolTexts::tr("On the grid");
         case Place::Kind::Vertex: return ToolTexts::tr("To a vertex of %1").arg(name());
+        case Place::Kind::Edge: return ToolTexts::tr("To an edge of %1").arg(name());
         case Place::Kind::Surface: return ToolTexts::tr("To the surface of %1").arg(name());
         case Place::Kind::Middle: return ToolTexts::tr("To the middle of %1").arg(name());
         case Place::Kind::End: break;

@@ -8,16 +8,17 @@
 
 namespace imomushi {
 
-/// Where what is dragged goes to: the grid, vertices, the surface or the middle of bodies, ends of bones; angles and factors in steps. One for all drags. It places and never
+/// Where what is dragged goes to: the grid, vertices, edges, the surface or the middle of bodies, ends of bones; angles and factors in steps. One for all drags. It places and never
 /// joins. What was reached is left only when something else is clearly nearer; with Shift steps are a tenth.
 class Snap {
 public:
     struct Place {
-        enum class Kind { Grid, Vertex, Surface, Middle, End } kind = Kind::Grid;
+        enum class Kind { Grid, Vertex, Edge, Surface, Middle, End } kind = Kind::Grid;
         Vec3 at = Vec3::Zero();  ///< m, world
-        PartId of = 0;           ///< element; character, of whose render mesh the vertex is; bone
-        int index = -1;          ///< of the vertex; 1: the end of the bone, 0: its start
-        [[nodiscard]] bool sameAs(const Place& other) const { return kind == other.kind && of == other.of && index == other.index; }
+        PartId of = 0;           ///< element; character, of whose render mesh the vertex or edge is; bone
+        int index = -1;          ///< of the vertex, or of one of an edge; 1: the end of the bone, 0: its start
+        int to = -1;             ///< of an edge, its other vertex: the larger one
+        [[nodiscard]] bool sameAs(const Place& other) const { return kind == other.kind && of == other.of && index == other.index && to == other.to; }
     };
     /// What moves together with what is dragged: no place to go to. Empty: nothing.
     struct Moving {

@@ -238,7 +238,7 @@ void ViewportWidget::wheelEvent(QWheelEvent* e) {
 }
 
 void ViewportWidget::contextMenuEvent(QContextMenuEvent* e) {
-    if (swallowMenu_ || tools_.busy()) {
+    if (bare_ || swallowMenu_ || tools_.busy()) {
         swallowMenu_ = false;
         return;
     }

@@ -173,6 +173,21 @@ void ViewportWidget::setXray(bool on) { switchOption(xray_, on); }
 
 void ViewportWidget::setBodiesVisible(bool on) { switchOption(bodies_, on); }
 
+void ViewportWidget::setBare(bool on) {
+    bare_ = on;
+    redraw();
+}
+
+void ViewportWidget::stripScene() {
+    scene_.grid = false;
+    scene_.markers.clear();
+    for (render::Body& body : scene_.bodies) {
+        body.selected = body.hovered = body.outdated = false;
+        body.highlightedTriangles = nullptr;
+        body.opacity = 1.0f;
+    }
+}
+
 void ViewportWidget::setMarked(std::optional<MarkedPlace> place) {
     marked_ = std::move(place);
     redraw();
@@ -354,6 +369,7 @@ void ViewportWidget::paint() {
     render::SceneRenderer& renderer = *canvas_->renderer();
     camera_.setViewport(width(), height());
     SceneOptions options = sceneOptions();
+    if (bare_) options.bodies = false;
     if (!fade_.active() && (deformOn_ == DeformOn::Gpu || (deformOn_ == DeformOn::Automatic && !renderer.software()))) options.gpu = &renderer;
     documentScene_.update(document_.session(), options, scene_);
     const double since = fading_.isValid() ? 1e-3 * double(fading_.restart()) : (fading_.start(), 0.0);
@@ -371,6 +387,7 @@ void ViewportWidget::paint() {
     if (const auto element = document_.document().elements.find(highlightedElement_); !highlighted_.empty() && element != document_.document().elements.end())
         if (render::Body* body = bodyOf(scene_, *element->second)) body->highlightedTriangles = &highlighted_;
     tools_.tool().decorate(scene_);
+    if (bare_) stripScene();
     try {
         renderer.draw(scene_, canvas_->defaultFramebufferObject(), int(std::lround(width() * devicePixelRatioF())),
                       int(std::lround(height() * devicePixelRatioF())));
@@ -378,6 +395,19 @@ void ViewportWidget::paint() {
         renderer.releaseMemory();  // the next picture is drawn from nothing
         throw;
     }
+    if (!bare_) paintOver();
+    latency_.painted();
+
+    if (fade_.active()) redraw();
+    if (!scene_.smooth && renderer.software() && quality_ == PictureQuality::Automatic) still_.start();
+    if (const auto frame = meter_.drawn(elapsedMs(drawing), moving)) {
+        int vertices = 0;
+        for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
+        Q_EMIT frameMeasured(frame->cpuMs, frame->fps, vertices, renderer.uploadMs());
+    }
+}
+
+void ViewportWidget::paintOver() {
     QPainter painter(canvas_);
     navigator_.paintBall(painter, dark());
     auto box = tools_.tool().box();
@@ -388,16 +418,6 @@ void ViewportWidget::paint() {
     ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), box, tools_.tool().banner(), deck_, overlapped(), at_, std::move(lasso)}.paint(painter, document_);
     for (const LimitWord& word : limitWords(document_.session()))
         if (const auto at = onScreen(word.at)) ViewOverlay{size(), dark(), palette().color(QPalette::Highlight), {}, {}, nullptr, word.text, *at}.paint(painter, document_);
-    painter.end();
-    latency_.painted();
-
-    if (fade_.active()) redraw();
-    if (!scene_.smooth && renderer.software() && quality_ == PictureQuality::Automatic) still_.start();
-    if (const auto frame = meter_.drawn(elapsedMs(drawing), moving)) {
-        int vertices = 0;
-        for (const render::Body& body : scene_.bodies) vertices += int(body.mesh ? body.mesh->body.vertices.rows() : 0);
-        Q_EMIT frameMeasured(frame->cpuMs, frame->fps, vertices, renderer.uploadMs());
-    }
 }
 
 void ViewportWidget::showMessage(const QString& text) {

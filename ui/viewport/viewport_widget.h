@@ -69,6 +69,8 @@ public:
     [[nodiscard]] bool gridVisible() const { return grid_; }
     void setXray(bool on);
     [[nodiscard]] bool xray() const { return xray_; }
+    /// The character alone is drawn: no marks of tools, no ground lines, no words.
+    void setBare(bool on);
     void setBodiesVisible(bool on);
     [[nodiscard]] bool bodiesVisible() const { return bodies_; }
     /// Triangles of an element to highlight (the places of a mesh issue); empty: none.
@@ -129,6 +131,8 @@ private:
     void afterChange();
     void animate();  ///< draws, and starts the clock where something moves
     [[nodiscard]] SceneOptions sceneOptions() const;
+    void paintOver();   ///< what lies over the picture
+    void stripScene();  ///< to what setBare() leaves
     [[nodiscard]] bool dark() const;
     void structureChanged();
     void updateHint();
@@ -172,7 +176,7 @@ private:
     QElapsedTimer sinceMove_;           ///< since it heard of one
     QTimer nextMove_;
 
-    bool bones_ = true, grid_ = true, bodies_ = false, xray_ = false;
+    bool bones_ = true, grid_ = true, bodies_ = false, xray_ = false, bare_ = false;
     bool empty_ = true;           ///< there were no elements: the first that comes is framed
     PartId highlightedElement_ = 0;
     std::vector<std::int32_t> highlighted_;

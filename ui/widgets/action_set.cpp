@@ -13,13 +13,18 @@ constexpr const char* kWhy = "why";
 
 QString settingsKey(const QByteArray& id) { return QStringLiteral("shortcuts/") + QString::fromLatin1(id); }
 
+QList<QKeySequence> keysFrom(const char* text) {
+    QList<QKeySequence> keys = QKeySequence::listFromString(QString::fromLatin1(text), QKeySequence::PortableText);
+    keys.removeIf([](const QKeySequence& k) { return k.isEmpty(); });
+    return keys;
+}
+
 }  // namespace
 
 ActionSet::ActionSet(QWidget* window, const char* context) : QObject(window), window_(window), context_(context) {}
 
 void ActionSet::add(const char* id, const char* icon, const char* text, const char* keys, bool checkable) {
-    QList<QKeySequence> standard = QKeySequence::listFromString(QString::fromLatin1(keys), QKeySequence::PortableText);
-    standard.removeIf([](const QKeySequence& k) { return k.isEmpty(); });
+    const QList<QKeySequence> standard = keysFrom(keys);
     auto* action = new QAction(window_);
     action->setObjectName(QString::fromLatin1(id));
     if (*icon) action->setIcon(themedIcon(QString::fromLatin1(icon)));
@@ -58,6 +63,15 @@ void ActionSet::tellTip(const Entry& entry) {
     QString tip = entry.action->iconText();
     if (!keys.isEmpty()) tip += QStringLiteral("  (%1)").arg(keys);
     entry.action->setToolTip(why.isEmpty() ? tip : tip + u'\n' + why);
+}
+
+void ActionSet::setStandard(const char* id, const char* keys) {
+    for (Entry& entry : entries_) {
+        if (entry.id != id) continue;
+        entry.standard = keysFrom(keys);
+        if (!QSettings().contains(settingsKey(entry.id))) entry.action->setShortcuts(entry.standard);
+        tellTip(entry);
+    }
 }
 
 void ActionSet::allow(const char* id, bool allowed, const QString& why) {

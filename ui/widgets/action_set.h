@@ -25,6 +25,9 @@ public:
     /// Lets an action be done, or says in one sentence why it cannot be done now (translated).
     void allow(const char* id, bool allowed, const QString& why);
 
+    /// Other standard shortcuts; the action has them where nobody chose its own.
+    void setStandard(const char* id, const char* keys);
+
     void retranslate();
 
     struct Entry {

@@ -73,13 +73,14 @@ void ActionStates::update() {
     a.allow("import-skeleton", character && idle, character ? working : noCharacter);
     a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
     a.allow("hide", canMirror(document_), nothing);
+    a.allow("edit-face", selection.size() == 1 && count(Kind::Face) == 1 && !handleOf(d, selection.front()), tr("Select one joint face first."));
     a.allow("join", count(Kind::Face) == 2, tr("Select two joint faces: click one, then Shift+click the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });
     a.allow("pin", handles || count(Kind::Endpoint, Kind::Bone) > 0, tr("Select a bone, the end of one, or a handle first."));
     const bool held = !d.goals.empty() || std::any_of(d.handleGoals.begin(), d.handleGoals.end(), [](const auto& goal) { return goal.second.target.held; });
     a.allow("release", held, tr("Nothing is held."));
     a.allow("rest", held || !d.handleGoals.empty() || !d.turns.empty() || !d.morphs.empty() || !d.pose.points.empty(), tr("It is at rest."));
-    for (const char* id : {"select-all", "export", "write-mesh", "picture", "place-bone", "place-face", "place-cut", "place-handle"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
+    for (const char* id : {"select-all", "stage", "export", "write-mesh", "picture", "place-bone", "place-face", "place-cut", "place-handle"}) a.allow(id, !d.elements.empty(), tr("The project is empty."));
     a.allow("select-invert", !d.elements.empty() || !d.bones.empty(), tr("The project is empty."));
     a.allow("select-more", count(Kind::Element, Kind::Bone, Kind::Endpoint) > 0, tr("Select an element or a bone first."));
     a.allow("select-chain", count(Kind::Bone, Kind::Endpoint) > 0, tr("Select a bone first."));

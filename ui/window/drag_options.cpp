@@ -4,6 +4,8 @@
 #include <QActionGroup>
 #include <QSettings>
 #include <algorithm>
+#include <iterator>
+#include <type_traits>
 #include <utility>
 
 #include "ui/dialogs/snap_dialog.h"
@@ -17,10 +19,11 @@ struct SnapRow {
     const char* action;
     bool SnapSettings::*member;
 };
-constexpr SnapRow kSnapRows[] = {{"snap", &SnapSettings::on},           {"snap-grid", &SnapSettings::grid},     {"snap-angle", &SnapSettings::angle}, {"snap-vertices", &SnapSettings::vertices},
+constexpr SnapRow kSnapRows[] = {{"snap", &SnapSettings::on},           {"snap-grid", &SnapSettings::grid},     {"snap-angle", &SnapSettings::angle}, {"snap-vertices", &SnapSettings::vertices}, {"snap-edges", &SnapSettings::edges},
                                  {"snap-surface", &SnapSettings::surface}, {"snap-middle", &SnapSettings::middle}, {"snap-ends", &SnapSettings::ends}};
 
-const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles"), kGizmoKey = QStringLiteral("drag/gizmo"), kSpaceKey = QStringLiteral("drag/axes"), kSymmetryKey = QStringLiteral("drag/symmetry");
+const QString kStepKey = QStringLiteral("drag/grid-step"), kAngleKey = QStringLiteral("drag/angle-step"), kAnywhereKey = QStringLiteral("drag/passing-handles"), kGizmoKey = QStringLiteral("drag/gizmo"), kSpaceKey = QStringLiteral("drag/axes"), kSymmetryKey = QStringLiteral("drag/symmetry"), kPartsKey = QStringLiteral("drag/gizmo-parts");
+constexpr const char* kParts[] = {"gizmo-all", "gizmo-move", "gizmo-turn", "gizmo-scale"};  // as GizmoParts counts
 constexpr const char* kSpaces[] = {"axes-world", "axes-local", "axes-view"};  // as GizmoSpace counts
 
 QString keyOf(const SnapRow& row) { return QStringLiteral("drag/") + QLatin1String(row.action); }
@@ -68,19 +71,32 @@ DragOptions::DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool
         QSettings().setValue(kSymmetryKey, on);
         tell();
     });
-    space_ = GizmoSpace(std::clamp(settings.value(kSpaceKey, 0).toInt(), 0, 2));
-    auto* spaces = new QActionGroup(this);
-    for (int i = 0; i < 3; ++i) {
-        QAction* action = actions[kSpaces[i]];
-        spaces->addAction(action);
-        action->setChecked(int(space_) == i);
-        connect(action, &QAction::triggered, this, [this, i] {
-            settle_();
-            space_ = GizmoSpace(i);
-            QSettings().setValue(kSpaceKey, i);
-            tell();
-        });
-    }
+    const auto choice = [&](const auto& names, const QString& key, auto& chosen) {
+        const int count = int(std::size(names));
+        using Chosen = std::remove_reference_t<decltype(chosen)>;
+        chosen = Chosen(std::clamp(settings.value(key, 0).toInt(), 0, count - 1));
+        auto* group = new QActionGroup(this);
+        for (int i = 0; i < count; ++i) {
+            QAction* action = actions[names[i]];
+            group->addAction(action);
+            action->setChecked(int(chosen) == i);
+            connect(action, &QAction::triggered, this, [this, i, key, &chosen] {
+                settle_();
+                chosen = Chosen(i);
+                QSettings().setValue(key, i);
+                tell();
+            });
+        }
+    };
+    choice(kParts, kPartsKey, parts_);
+    choice(kSpaces, kSpaceKey, space_);
+    tell();
+}
+
+void DragOptions::setIndustryKeys(bool on) {
+    industry_ = on;
+    constexpr const char* kKeys[] = {"", "W", "E", "R"};
+    for (std::size_t i = 0; i < std::size(kParts); ++i) actions_.setStandard(kParts[i], on ? kKeys[i] : "");
     tell();
 }
 
@@ -89,6 +105,8 @@ void DragOptions::tell() {
     options.snap = snap_;
     options.gizmo = gizmo_;
     options.space = space_;
+    options.parts = parts_;
+    options.turnKey = !industry_;
     options.symmetry = symmetry_;
     if (anywhere_) options.passingHandles = passing_;
     tools_.setOptions(std::move(options));

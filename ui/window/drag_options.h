@@ -20,6 +20,9 @@ public:
     /// `passing`: of which elements flesh may be taken. `settle`: ends what is dragged.
     DragOptions(ActionSet& actions, ToolHost& tools, std::function<bool(const Element&)> passing, std::function<void()> settle, QWidget* window);
 
+    /// The keys of other studios of the industry: W, E and R choose what the gizmo has. Else R turns what is selected, at once, as Blender's does.
+    void setIndustryKeys(bool on);
+
 private:
     void tell();
     void askSteps();
@@ -34,6 +37,8 @@ private:
     bool gizmo_ = true;
     bool symmetry_ = false;
     GizmoSpace space_ = GizmoSpace::World;
+    GizmoParts parts_ = GizmoParts::All;
+    bool industry_ = false;
 };
 
 }  // namespace imomushi

@@ -168,9 +168,10 @@ bool FileFlow::offerRecovery() {
     return true;
 }
 
-void FileFlow::newProject() {
-    if (!mayDiscard()) return;
-    if (document_.execute(commands::newProject())) Q_EMIT opened();
+bool FileFlow::newProject() {
+    if (!mayDiscard() || !document_.execute(commands::newProject())) return false;
+    Q_EMIT opened();
+    return true;
 }
 
 void FileFlow::askOpen() {

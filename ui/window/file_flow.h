@@ -33,7 +33,7 @@ public:
     /// Asks about the work of studios that ended badly, where there is any. True: some of it is open now.
     bool offerRecovery();
 
-    void newProject();
+    bool newProject();  ///< false: what is there stays
     void askOpen();
     bool open(const QString& path);  ///< asks about unsaved changes first; false: it was not opened
     bool save();                     ///< false: given up or failed

@@ -51,7 +51,10 @@
 #include "ui/window/next_steps.h"
 #include "ui/window/overlays.h"
 #include "ui/window/repair_flow.h"
+#include "ui/window/replay_bar.h"
+#include "ui/window/replay_flow.h"
 #include "ui/window/rig_flow.h"
+#include "ui/window/stage_mode.h"
 #include "ui/window/start_page.h"
 #include "ui/window/status_strip.h"
 #include "ui/window/step_flow.h"
@@ -80,6 +83,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
     repairs_ = new RepairFlow(document_, *files_, this);
+    replay_ = new ReplayFlow(document_, *files_, *steps_, this);
     clipboard_ = new ClipboardFlow(document_, *steps_, this);
     posePictures_ = new PosePictures(document_, this);
     precompute_ = new PrecomputeFlow(document_, [this] { return viewport_->tools().busy(); }, this);
@@ -95,8 +99,11 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     new KeyListener(*this, *inputs_, [this] { return viewport_->tools().busy(); });
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
+    stageMode_ = new StageMode(*this, *viewport_, *overlays_, *docks_);
+
     connectDocument();
     connectFiles();
+    connectReplay();
     connectPrecompute();
     connectRepairs();
     connectSteps();
@@ -135,6 +142,7 @@ MainWindow::~MainWindow() {
     delete proposals_;
     delete clipboard_;
     delete posePictures_;
+    delete replay_;
     delete repairs_;
     delete rigs_;
     delete files_;
@@ -244,6 +252,19 @@ void MainWindow::connectFiles() {
     });
 }
 
+void MainWindow::connectReplay() {
+    overlays_->add(new ReplayBar(*replay_, stage_));
+    const auto start = [this](const QString& title, const QString& script) {
+        settle();
+        replay_->start(title, script);
+    };
+    connect(start_, &StartPage::replayWanted, this, start);
+    connect(menus_, &StudioMenus::replayWanted, this, start);
+    connect(replay_, &ReplayFlow::built, this, [this] { viewport_->frameAll(); });
+    connect(replay_, &ReplayFlow::precomputeWanted, this, &MainWindow::startPrecompute);
+    connect(replay_, &ReplayFlow::ended, this, [this](const QString& title) { messages().say(tr("“%1” is built. It is your project now: each step can be undone.").arg(title), MessageBar::Tone::Good); });
+}
+
 void MainWindow::connectPrecompute() {
     PrecomputeJob* job = &precompute_->job();
     overlays_->job().follow(job, [job] { return tr("Precomputing %1").arg(job->element()); });
@@ -283,9 +304,12 @@ void MainWindow::connectSteps() {
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
     // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.
-    const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->tools().proposal()); };
+    const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->tools().proposal() || stageMode_->on() || replay_->running()); };
     connect(steps_, &StepFlow::changed, this, wait);
     connect(&viewport_->tools(), &ToolHost::toolChanged, this, wait);
+    connect(stageMode_, &StageMode::changed, this, wait);
+    connect(replay_, &ReplayFlow::changed, this, wait);
+    connect(stageMode_, &StageMode::changed, (*actions_)["stage"], &QAction::setChecked);
     connect(next_, &NextSteps::makeSoftWanted, this, [this](PartId part) {
         settle();
         const Document& d = document_.document();
@@ -353,7 +377,7 @@ void MainWindow::connectView() {
     connect(viewport_, &ViewportWidget::frameMeasured, costs_, &FrameCostMeter::take);
     sayHint();
     const QSettings settings;
-    viewport_->setNavigationPreset(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
+    setNavigation(NavigationPreset(std::clamp(settings.value(QStringLiteral("view/navigation"), 0).toInt(), 0, 1)));
     document_.setHistoryDepth(PreferencesDialog::historyDepth());
     document_.setVersionLimits(PreferencesDialog::versionLimits());
     viewport_->setDeformOn(ViewportWidget::DeformOn(std::clamp(settings.value(QStringLiteral("view/deform-on"), 0).toInt(), 0, 2)));
@@ -486,6 +510,7 @@ bool MainWindow::event(QEvent* event) {
 
 // Nobody took it: the key of something that cannot be done now says why.
 void MainWindow::keyPressEvent(QKeyEvent* event) {
+    if (event->key() == Qt::Key_Escape && stageMode_->on()) return stageMode_->set(false);
     const QKeySequence keys(event->keyCombination());
     for (const QAction* action : actions_->all())
         if (!action->isEnabled() && !event->isAutoRepeat() && action->shortcuts().contains(keys))
@@ -506,6 +531,7 @@ void MainWindow::closeEvent(QCloseEvent* event) {
         return;
     }
     precompute_->cancel();
+    stageMode_->set(false);
     QSettings settings;
     settings.setValue(QStringLiteral("window/geometry"), saveGeometry());
     settings.setValue(QStringLiteral("window/docks"), saveState(kStateVersion));

@@ -19,6 +19,7 @@ namespace imomushi {
 class AccuracyPanel;
 class ActionStates;
 class ClipboardFlow;
+class DragOptions;
 class EffectsPanel;
 class ExportDialog;
 class FileFlow;
@@ -30,13 +31,16 @@ class IssuesPanel;
 class InputDeck;
 class LivePanel;
 class MessageBar;
+enum class NavigationPreset;
 class NextSteps;
 class OutlinerPanel;
 class PosePictures;
 class Overlays;
 class ProposalJob;
 class RepairFlow;
+class ReplayFlow;
 class RigFlow;
+class StageMode;
 class StartPage;
 class StatusStrip;
 class StepFlow;
@@ -71,6 +75,7 @@ public:
     [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
     [[nodiscard]] StepFlow& steps() { return *steps_; }
     [[nodiscard]] RigFlow& rigs() { return *rigs_; }
+    [[nodiscard]] ReplayFlow& replay() { return *replay_; }
     [[nodiscard]] IssuesPanel& issues();
     [[nodiscard]] StatusStrip& status() { return *status_; }
     [[nodiscard]] MessageBar& messages();
@@ -95,6 +100,7 @@ private:
     void buildStatusBar();
     void connectDocument();
     void connectFiles();
+    void connectReplay();
     void connectPrecompute();
     void connectRepairs();
     void connectSteps();
@@ -129,6 +135,7 @@ private:
     void sayHint();
     void settle();
     void setTool(ToolKind tool);
+    void setNavigation(NavigationPreset preset);
     void startPrecompute();
     /// Asks how the character that is meant would be made soft, and shows it in the view.
     void propose();
@@ -152,9 +159,11 @@ private:
     FileFlow* files_;
     RigFlow* rigs_;
     RepairFlow* repairs_;
+    ReplayFlow* replay_;
     ClipboardFlow* clipboard_;
     PosePictures* posePictures_;
     PrecomputeFlow* precompute_;
+    DragOptions* drags_ = nullptr;
     ProposalJob* proposals_;
     FrameCostMeter* costs_;
     QWidget* stage_ = nullptr;
@@ -166,6 +175,7 @@ private:
     StatusStrip* status_ = nullptr;
     StudioDocks* docks_ = nullptr;
     StudioMenus* menus_ = nullptr;
+    StageMode* stageMode_ = nullptr;
     ActionStates* states_ = nullptr;
     QPointer<ExportDialog> export_;
     std::map<FrameWarning, QElapsedTimer> warned_;  ///< since each was last said

@@ -35,6 +35,7 @@
 #include "ui/window/main_window.h"
 #include "ui/window/message_bar.h"
 #include "ui/window/rig_flow.h"
+#include "ui/window/stage_mode.h"
 #include "ui/window/studio_actions.h"
 #include "ui/window/studio_docks.h"
 
@@ -161,7 +162,7 @@ void MainWindow::connectEditActions() {
     precompute_->drafts().setEnabled(QSettings().value(softAtOnce, true).toBool());
     (*actions_)["soft-at-once"]->setChecked(precompute_->drafts().enabled());
     viewport_->setAwaits([this](PartId element) { return precompute_->drafts().awaits(element); });
-    new DragOptions(
+    drags_ = new DragOptions(
         *actions_, viewport_->tools(), [this](const Element& element) { return precompute_->drafts().enabled() && element.mesh->body.vertices.rows() <= DraftJob::kLargest; }, [this] { settle(); }, this);
     for (const auto& [action, kind] : kPlaced)
         onSettled(action, [this, kind = kind] {
@@ -170,6 +171,13 @@ void MainWindow::connectEditActions() {
             dialog->setAttribute(Qt::WA_DeleteOnClose);
             dialog->open();
         });
+    onSettled("edit-face", [this] {
+        if (document_.selection().size() != 1 || document_.selection().front().kind != SelectionItem::Kind::Face) return;
+        showStart(false);
+        auto* dialog = new PlaceDialog(document_, FaceRef{document_.selection().front().part, document_.selection().front().face}, this);
+        dialog->setAttribute(Qt::WA_DeleteOnClose);
+        dialog->open();
+    });
     onSettled("join", [this] { join(); });
     onSettled("pin", [this] { togglePins(document_); });
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
@@ -300,6 +308,10 @@ void MainWindow::connectViewActions() {
     connect(viewport_, &ViewportWidget::viewChanged, this, follow);
     follow();
     onSettled("picture", [this] { savePicture(); });
+    onToggle("stage", [this](bool checked) {
+        if (checked) showStart(false);
+        stageMode_->set(checked);
+    });
     onToggle("full-screen", [this](bool checked) { checked ? showFullScreen() : showNormal(); });
     auto* themes = new QActionGroup(this);
     for (int i = 0; i < int(std::size(kThemeActions)); ++i) {
@@ -317,6 +329,11 @@ void MainWindow::setTool(ToolKind tool) {
     showStart(false);
     viewport_->tools().setTool(tool);
     viewport_->setFocus();
+}
+
+void MainWindow::setNavigation(NavigationPreset preset) {
+    viewport_->setNavigationPreset(preset);
+    drags_->setIndustryKeys(preset == NavigationPreset::Industry);
 }
 
 void MainWindow::startPrecompute() {
@@ -355,7 +372,7 @@ void MainWindow::mirror(char axis) {
 void MainWindow::record() {
     if (deck_->recording() || deck_->counting()) return deck_->stopRecording();
     showStart(false);
-    StudioDocks::raise(takes());
+    if (!stageMode_->on()) StudioDocks::raise(takes());
     // What is performed is dragged or touched.
     if (viewport_->tools().kind() != ToolKind::Pose && viewport_->tools().kind() != ToolKind::Touch) viewport_->tools().setTool(ToolKind::Pose);
     deck_->startRecording();
@@ -388,7 +405,7 @@ void MainWindow::openExport() {
 
 void MainWindow::openPreferences(const QString& setting) {
     PreferencesDialog dialog(*actions_, this);
-    connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { viewport_->setNavigationPreset(NavigationPreset(preset)); });
+    connect(&dialog, &PreferencesDialog::navigationChanged, this, [this](int preset) { setNavigation(NavigationPreset(preset)); });
     connect(&dialog, &PreferencesDialog::deformOnChanged, this, [this](int where) { viewport_->setDeformOn(ViewportWidget::DeformOn(where)); });
     connect(&dialog, &PreferencesDialog::pictureQualityChanged, this, [this](int quality) { viewport_->setPictureQuality(ViewportWidget::PictureQuality(quality)); });
     connect(&dialog, &PreferencesDialog::historyDepthChanged, this, [this](int steps) { document_.setHistoryDepth(steps); });

@@ -11,12 +11,19 @@
 namespace imomushi {
 
 Overlays::Overlays(QWidget* view) : QObject(view), view_(view), message_(new MessageBar(view)), job_(new JobCard(view)) {
-    for (QWidget* widget : {view_, static_cast<QWidget*>(message_), static_cast<QWidget*>(job_)}) widget->installEventFilter(this);
+    view_->installEventFilter(this);
+    add(job_);
+    add(message_);
+}
+
+void Overlays::add(QFrame* overlay) {
+    all_ << overlay;
+    overlay->installEventFilter(this);
 }
 
 void Overlays::place() {
     int bottom = view_->height() - px(18);
-    for (QFrame* overlay : {static_cast<QFrame*>(job_), static_cast<QFrame*>(message_)}) {
+    for (QFrame* overlay : all_) {
         if (!overlay->isVisible()) continue;
         // A job stands in the corner, beside the character; a message that takes its time lies where it is read.
         const bool corner = overlay == job_;
@@ -24,9 +31,15 @@ void Overlays::place() {
         overlay->setFixedWidth(std::max(px(200), width));
         overlay->adjustSize();
         overlay->move(corner ? px(16) : (view_->width() - overlay->width()) / 2, bottom - overlay->height());
-        overlay->raise();
+        covered_ ? overlay->lower() : overlay->raise();
         bottom -= overlay->height() + px(8);
     }
+}
+
+void Overlays::setCovered(bool covered) {
+    covered_ = covered;
+    for (QFrame* overlay : all_) covered_ ? overlay->lower() : overlay->raise();
+    place();
 }
 
 bool Overlays::eventFilter(QObject* watched, QEvent* event) {

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <QObject>
-#include <QWidget>
+#include <QFrame>
+#include <QList>
 
 namespace imomushi {
 
@@ -16,7 +17,11 @@ public:
     explicit Overlays(QWidget* view);
     [[nodiscard]] MessageBar& message() { return *message_; }
     [[nodiscard]] JobCard& job() { return *job_; }
+    /// Another one, above those that are there.
+    void add(QFrame* overlay);
     void place();
+    /// Nothing of it is seen: it goes on behind the view.
+    void setCovered(bool covered);
 
     bool eventFilter(QObject* watched, QEvent* event) override;
 
@@ -24,6 +29,8 @@ private:
     QWidget* view_;
     MessageBar* message_;
     JobCard* job_;
+    QList<QFrame*> all_;  ///< from the edge upwards
+    bool covered_ = false;
 };
 
 }  // namespace imomushi

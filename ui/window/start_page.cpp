@@ -14,6 +14,7 @@
 #include <QPainterPath>
 #include <QPushButton>
 #include <QScrollArea>
+#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 
@@ -240,6 +241,18 @@ void StartPage::changeEvent(QEvent* event) {
     if (event->type() == QEvent::LanguageChange) rebuild();
 }
 
+void StartPage::addReplay(QWidget& tile, const QString& title, const QString& script) {
+    auto* replay = named(new QToolButton(&tile), "replay");
+    replay->setIcon(themedIcon(QStringLiteral("play"), Appearance::Role::Text));
+    replay->setToolTip(tr("Watch how it was built"));
+    replay->setAccessibleName(tr("Watch how “%1” was built").arg(title));
+    replay->setFocusPolicy(Qt::StrongFocus);
+    replay->setCursor(Qt::PointingHandCursor);
+    const int side = px(30), inset = px(8);
+    replay->setGeometry(px(kTileWidth) - side - inset, inset, side, side);
+    connect(replay, &QToolButton::clicked, this, [this, title, script] { Q_EMIT replayWanted(title, script); }, Qt::QueuedConnection);
+}
+
 int StartPage::columnsThatFit() const {
     const int useful = std::clamp(int(std::max(samples().size(), recent_.paths().size())), kFewestColumns, kMaxColumns);
     return std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, useful);
@@ -324,6 +337,7 @@ void StartPage::rebuild() {
             auto* tile = new Tile(QImage(sample.picture), sampleTitle(sample.name), sampleNote(sample.name), QStringLiteral("character"), column);
             tile->setObjectName(QStringLiteral("sample-") + sample.name);
             connect(tile, &QAbstractButton::clicked, this, [this, path = sample.path] { Q_EMIT fileWanted(path); });
+            if (!sample.script.isEmpty()) addReplay(*tile, sampleTitle(sample.name), sample.script);
             place(grid, tile);
         }
     }

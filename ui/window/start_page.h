@@ -24,6 +24,7 @@ signals:
     void meshWanted();
     void riggedFileWanted();
     void fileWanted(const QString& path);
+    void replayWanted(const QString& title, const QString& script);
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -32,6 +33,8 @@ protected:
 
 private:
     void rebuild();
+    /// A button on the card of a sample.
+    void addReplay(QWidget& tile, const QString& title, const QString& script);
     [[nodiscard]] int columnsThatFit() const;
     RecentFiles& recent_;
     QWidget* content_ = nullptr;

@@ -47,14 +47,15 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*file, {"new", "open"});
     recentMenu_ = addMenu(file, QT_TR_NOOP("Open &recent"));
     samplesMenu_ = addMenu(file, QT_TR_NOOP("Sa&mples"));
+    replayMenu_ = addMenu(file, QT_TR_NOOP("How samples were &built"));
     fill(*file, {"start", "", "import", "import-skeleton", "import-clips", "append", "", "save", "save-as", "save-copy", "versions", "", "export", "write-mesh", "save-script", "", "quit"});
     fill(*addMenu(nullptr, QT_TR_NOOP("&Edit")), {"undo", "redo", "", "cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "select-all", "select-none", "select-invert", "select-more", "select-chain", "", "search", "preferences"});
     QMenu* character = addMenu(nullptr, QT_TR_NOOP("&Character"));
     fill(*character, {"tool-select", "tool-face", "tool-bone", "tool-handle", "tool-pose", "tool-touch", "", "passing-handles", "symmetry"});
-    fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "axes-world", "axes-local", "axes-view"});
+    fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "gizmo-all", "gizmo-move", "gizmo-turn", "gizmo-scale", "", "axes-world", "axes-local", "axes-view"});
     snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
-    fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
-    fill(*addMenu(character, QT_TR_NOOP("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle"});
+    fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-edges", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
+    fill(*addMenu(character, QT_TR_NOOP("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle", "", "edit-face"});
     fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
     fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
@@ -66,7 +67,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     connect(panels, &QMenu::aboutToShow, &docks, &StudioDocks::followActions);
     fill(*addMenu(view, QT_TR_NOOP("&Theme")), {"theme-dark", "theme-light", "theme-contrast"});
     fill(*addMenu(view, QT_TR_NOOP("&Language")), {"language-en", "language-ja"});
-    fill(*view, {"", "picture", "full-screen"});
+    fill(*view, {"", "picture", "stage", "full-screen"});
     fill(*addMenu(nullptr, QT_TR_NOOP("Hel&p")), {"manual", "controls", "search", "", "about"});
 }
 
@@ -154,8 +155,14 @@ void StudioMenus::fillFiles() {
     }
     recentMenu_->setEnabled(!recentMenu_->isEmpty());
     samplesMenu_->clear();
-    for (const Sample& sample : samples()) addFile(*samplesMenu_, sampleTitle(sample.name), sample.path);
+    replayMenu_->clear();
+    for (const Sample& sample : samples()) {
+        const QString title = sampleTitle(sample.name);
+        addFile(*samplesMenu_, title, sample.path);
+        if (!sample.script.isEmpty()) connect(replayMenu_->addAction(title), &QAction::triggered, this, [this, title, script = sample.script] { Q_EMIT replayWanted(title, script); });
+    }
     samplesMenu_->setEnabled(!samplesMenu_->isEmpty());
+    replayMenu_->setEnabled(!replayMenu_->isEmpty());
 }
 
 void StudioMenus::addFile(QMenu& menu, const QString& text, const QString& path) {

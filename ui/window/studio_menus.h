@@ -34,6 +34,7 @@ public:
 
 signals:
     void fileWanted(const QString& path);
+    void replayWanted(const QString& title, const QString& script);  ///< how a sample was built
 
 private:
     void buildMenus(StudioDocks& docks);
@@ -48,7 +49,7 @@ private:
     RecentFiles& recent_;
     std::vector<QToolBar*> tools_;  ///< groups, one below the other
     QMenu* snapMenu_ = nullptr;
-    QMenu *recentMenu_, *samplesMenu_;
+    QMenu *recentMenu_, *samplesMenu_, *replayMenu_;
     std::vector<std::pair<QMenu*, const char*>> menus_;  ///< with their untranslated titles
 };
 
