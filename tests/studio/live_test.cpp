@@ -413,6 +413,9 @@ TEST_CASE("live: a key of the keyboard is learned and moves an end while it is h
     REQUIRE(w.inputs().canLearn());
     w.document().select({{SelectionItem::Kind::Endpoint, w.lastEnd().bone, {}, true}});
     w.click("learn");
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    CHECK(!w.inputs().learning());
+    w.click("learn");
     const ToolKind tool = w.view().tools().kind();
     // D is a shortcut of the view.
     QTest::keyPress(&w.view(), Qt::Key_D);

@@ -48,11 +48,15 @@ bool typesWords() {
 
 }  // namespace
 
-KeyListener::KeyListener(QWidget& window, const InputDeck& inputs, std::function<bool()> typing) : QObject(&window), window_(window), inputs_(inputs), typing_(std::move(typing)) { qApp->installEventFilter(this); }
+KeyListener::KeyListener(QWidget& window, InputDeck& inputs, std::function<bool()> typing) : QObject(&window), window_(window), inputs_(inputs), typing_(std::move(typing)) { qApp->installEventFilter(this); }
 
 bool KeyListener::takes(const QKeyEvent& key, const std::string& name) const {
     if (key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier | Qt::ShiftModifier)) return false;
     return window_.isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget() && inputs_.wantsKey(name) && !typesWords() && !typing_();
+}
+
+bool KeyListener::endsLearning(const QKeyEvent& key) const {
+    return key.key() == Qt::Key_Escape && key.modifiers() == Qt::NoModifier && inputs_.learning() && window_.isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget();
 }
 
 void KeyListener::letGo() {
@@ -63,12 +67,16 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
     switch (event->type()) {
         case QEvent::ShortcutOverride: {
             const auto& key = static_cast<const QKeyEvent&>(*event);
-            if (!takes(key, nameOf(key))) break;
+            if (!endsLearning(key) && !takes(key, nameOf(key))) break;
             event->accept();  // no shortcut
             return true;
         }
         case QEvent::KeyPress: {
             const auto& key = static_cast<const QKeyEvent&>(*event);
+            if (endsLearning(key)) {
+                inputs_.stopLearning();
+                return true;
+            }
             const std::string name = nameOf(key);
             const bool held = std::find(held_.begin(), held_.end(), name) != held_.end();
             if (!held && !takes(key, name)) break;

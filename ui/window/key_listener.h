@@ -14,19 +14,21 @@ namespace imomushi {
 class InputDeck;
 
 /// Gives keys to live input (KeyBoard) where InputDeck wants them, while the window is in front and nobody types words or numbers. Such a key does nothing else. What is held is let go when the
-/// window goes to the back.
+/// window goes to the back. Escape ends learning.
 class KeyListener : public QObject {
 public:
     /// `typing`: keys are digits of something else at the moment.
-    KeyListener(QWidget& window, const InputDeck& inputs, std::function<bool()> typing);
+    KeyListener(QWidget& window, InputDeck& inputs, std::function<bool()> typing);
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
     [[nodiscard]] bool takes(const QKeyEvent& key, const std::string& name) const;
     void letGo();
+    /// While somebody learns, whatever has the focus.
+    [[nodiscard]] bool endsLearning(const QKeyEvent& key) const;
 
     QWidget& window_;
-    const InputDeck& inputs_;
+    InputDeck& inputs_;
     std::function<bool()> typing_;
     std::vector<std::string> held_;
 };
