@@ -186,8 +186,8 @@ TEST_CASE("snap: an end goes to the nearest point of an edge, posed or at rest, 
     CHECK(pose.hint().startsWith(QStringLiteral("To an edge of above")));
     stage.pull(pose, Vec3(1.2, 1.5, 0.5) + Vec3(0, -14 * pixel, 0));  // held as far as others are
     CHECK((target() - Vec3(1.2, 1.5, 0.5)).norm() < 1e-6);
-    stage.pull(pose, Vec3(1.5, 1.5, 0.5) + Vec3(3 * pixel, 2 * pixel, 0));
-    CHECK((target() - Vec3(1.5 + 3 * pixel, 1.5, 0.5)).norm() < 1e-6);
+    stage.pull(pose, Vec3(1.5, 1.5, 0.5) + Vec3(20 * pixel, 2 * pixel, 0));  // past the vertex there, on the next edge
+    CHECK((target() - Vec3(1.5 + 20 * pixel, 1.5, 0.5)).norm() < 1e-6);
     edges.vertices = true;
     pose.setOptions({{}, edges});
     stage.pull(pose, Vec3(1.5, 1.5, 0.5) + Vec3(3 * pixel, 2 * pixel, 0));
