@@ -186,7 +186,6 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
 Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress& progress) {
     IMOMUSHI_TRY(const auto path, pathFrom(arguments));
     IMOMUSHI_TRY(const auto inputs, RawInputs::read(path));
-    const double stepSeconds = 1.0 / access.document().settings.rate;
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, inputs.sources, inputs.seconds));
     const auto failed = [&](const Error& error) {
         performance.cancel();

@@ -138,8 +138,8 @@ void addMappingCommands(CommandRegistry& registry) {
                         {"mute", Type::Boolean, false, "It drives nothing (false)."},
                         {"toggle", Type::Boolean, false, "A press puts it at the end of its range, the next one at the beginning again (false). A press passes the middle of the range upwards."},
                         {"spring", Type::Number, false, "Hz, up to 20: what it drives hangs on a spring, swings beyond and comes to rest; 0: none (0)."},
-                        {"spring_damping", Type::Number, false, "Of the spring, a ratio, 0.05 to 1: does not swing beyond (0.4)."},
-                        {"mirror", Type::Boolean, false, "The same part of the other side, by its name (.L and .R, left and right), does the same, mirrored in x, where no row of its own drives it (false)."},
+                        {"spring_damping", Type::Number, false, "Damping ratio of the spring, 0.05 to 1 (1: it does not swing beyond) (0.4)."},
+                        {"mirror", Type::Boolean, false, "The same part of the other side, by its name (.L and .R, left and right), does the same, mirrored in x, unless a row of its own is heard (false)."},
                         {"solo", Type::Boolean, false, "Rows that are not solo are muted (false)."},
                         {"position", Type::Integer, false, "Its place in the table, from 0 (where it is, a new one at the end)."}},
                        mapInput);
@@ -147,7 +147,7 @@ void addMappingCommands(CommandRegistry& registry) {
                        {{"source", Type::Text, false, "Of this source alone."}, {"channel", Type::Text, false, "Of this channel alone."}, {"component", Type::Integer, false, "Of this number alone."}, {"target", Type::Text, false, "Of this target alone."}}, unmapInput);
     registry.addChange("suggest-mappings",
                        "Maps a game controller, the keyboard or a body and face by VMC to whatever the character has: sticks move the limbs that reach farthest to both sides, and the highest one; buttons show kept poses or morph targets; "
-                       "bones turn by their roles of a human, or head and arms turn the highest limb and those of both sides; values of a face move morph targets. In the place of all rows of this source. \"rows\": as map-input takes them.",
+                       "bones turn by their roles of a human; without roles the head of who performs turns the highest limb, the arms turn those of both sides; values of a face move morph targets. All rows of this source that were there go. \"rows\": as map-input takes them.",
                        {{"protocol", Type::Text, true, "\"pad\", \"keys\" or \"vmc\"."}, {"source", Type::Text, false, "Who sends it (the protocol)."}}, suggestMappings);
     registry.addAction("save-mappings", "Writes the table of mappings into a file, for other projects.", {{"path", Type::Text, true, "The file, JSON."}}, saveMappings);
     registry.addChange("load-mappings", "Adds the mappings of a file; lines that are there become those of the file. \"missing\": targets that are not there, whose rows wait for them.",

@@ -60,7 +60,9 @@ void InputMapper::step(double seconds) {
             heard.returned = heard.silent || heard.gone;
             if (!heard.known || heard.returned) {  // what it knew is too old
                 heard.filtered.restart(heard.meant);
-                heard.sprung.restart(row.curve.at(heard.meant));
+                // A spring swings from where things are, also by the first press.
+                const bool there = row.slot >= 0 && row.slot < static_cast<int>(slots_.size());
+                heard.sprung.restart(there ? slots_[static_cast<std::size_t>(row.slot)].shown : row.curve.at(heard.meant));
             }
             heard.known = true;
             heard.silent = heard.fresh = heard.gone = false;

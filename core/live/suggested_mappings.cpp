@@ -31,7 +31,7 @@ constexpr double kReach = 0.22;
 constexpr double kHand = 0.12;
 /// What reaches less far to a side than this part of the size is in the middle.
 constexpr double kSide = 0.08;
-/// Cutoffs, Hz: a key is pressed at once, a stick is led.
+/// Cutoffs of smoothing, Hz: a key jumps from 0 to 1 and needs more than a stick, which a hand leads.
 constexpr double kKeyHertz = 1.0, kStickHertz = 8.0, kPoseHertz = 2.0;
 
 /// What is led by a stick: the free end of a limb, or a handle.
@@ -84,7 +84,8 @@ Limbs limbsOf(const Document& document, const CharacterPlan& plan) {
     for (int b = 0; b < bones; ++b) {
         if (of(hasChild, b)) continue;
         int hand = b;
-        for (int up = of(limbs.parent, b); up >= 0 && of(leaves, up) > 1 && of(reach, up) < kHand * limbs.size; up = of(limbs.parent, up)) hand = up;
+        for (int up = of(limbs.parent, b); up >= 0 && of(reach, up) < kHand * limbs.size; up = of(limbs.parent, up))
+            if (of(leaves, up) > 1) hand = up;
         const int point = of(skeleton.bones, hand).end;
         // What ends where other bones begin is in the middle of the character, not at the end of a limb.
         if (used.contains(point) || (hand == b && starts.contains(point)) || !taken.insert(point).second) continue;
@@ -128,12 +129,13 @@ class Suggestion {
 public:
     Suggestion(const Document& document, std::string source) : document_(document), source_(std::move(source)) {}
 
-    void add(std::string_view channel, int component, const std::string& target, double inLow, double outLow, double outHigh, double hertz) {
+    void add(std::string_view channel, int component, const std::string& target, double inLow, double outLow, double outHigh, double hertz, double inHigh = 1.0) {
         InputMapping made;
         made.row.source = source_;
         made.row.channel = channel;
         made.row.component = component;
         made.row.curve.inLow = inLow;
+        made.row.curve.inHigh = inHigh;
         made.row.curve.outLow = outLow;
         made.row.curve.outHigh = outHigh;
         made.row.filter.hertz = hertz;
@@ -188,31 +190,38 @@ void suggestControls(Suggestion& made, const Document& document, const Limbs& li
 
 // ---- VMC
 
-/// "leftUpperArm" is "LeftUpperArm", as Unity has it.
+/// "leftUpperArm" is "LeftUpperArm", as Unity has it, whose thumbs begin one name later.
 std::string unityName(std::string role) {
+    for (const auto& [ours, unity] : {std::pair<std::string_view, std::string_view>{"ThumbProximal", "ThumbIntermediate"}, {"ThumbMetacarpal", "ThumbProximal"}})
+        if (role.ends_with(ours)) {
+            role.replace(role.size() - ours.size(), ours.size(), unity);
+            break;
+        }
     if (!role.empty()) role[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(role[0])));
     return role;
 }
 
+bool isHuman(const std::map<std::string, std::string>& roles) { return roles.contains("head") && (roles.contains("leftUpperArm") || roles.contains("leftUpperLeg")); }
+
 void addTurns(Suggestion& made, const std::string& bone, const std::string& turned) {
     constexpr int kRotationVector = 7;  // of the ten numbers of a bone, see vmc_decoder.cpp
     for (int axis = 0; axis < 3; ++axis)
-        made.add("bone/" + bone, kRotationVector + axis, "bone/" + turned + "/turn-" + "xyz"[axis], -std::numbers::pi, -std::numbers::pi, std::numbers::pi, 0.0);
+        made.add("bone/" + bone, kRotationVector + axis, "bone/" + turned + "/turn-" + "xyz"[axis], -std::numbers::pi, -std::numbers::pi, std::numbers::pi, 0.0, std::numbers::pi);
 }
 
-/// Names of bones by the roles that they have of a human.
+/// Names of bones by the roles that they have of a human: of the first character that has a head, and arms or legs.
 std::map<std::string, std::string> bonesByRole(const Document& document, const CharacterPlan& plan) {
-    std::map<std::string, std::string> found;
     const auto nameOf = [&](std::size_t bone) { return document.bones.at(plan.bones[bone])->name; };
     for (const auto& [id, character] : document.characters) {
         if (!character->rig || character->rig->bones.empty()) continue;
+        std::map<std::string, std::string> found;
         const RigFollower follower(document, plan, *character);
         for (const RigRole& role : humanRoles(*character->rig))
             for (std::size_t b = 0; b < follower.follows().size(); ++b)
                 // The first bone that follows it, but for one that has its very name.
                 if (follower.follows()[b] == role.bone && (!found.contains(role.role) || nameOf(b) == character->rig->bones[static_cast<std::size_t>(role.bone)].name)) found[role.role] = nameOf(b);
+        if (isHuman(found)) return found;
     }
-    if (!found.empty()) return found;
     // Bones that were placed by hand and have names that tell.
     Rig rig;
     const std::vector<int> parent = boneTree(plan.input.skeleton).parent;
@@ -225,13 +234,14 @@ std::map<std::string, std::string> bonesByRole(const Document& document, const C
         bone.tail = plan.input.skeleton.points[static_cast<std::size_t>(plan.input.skeleton.bones[b].end)];
         rig.bones.push_back(std::move(bone));
     }
+    std::map<std::string, std::string> found;
     for (const RigRole& role : humanRoles(rig)) found.emplace(role.role, nameOf(static_cast<std::size_t>(role.bone)));
     return found;
 }
 
 void suggestBody(Suggestion& made, const Document& document, const CharacterPlan& plan, const Limbs& limbs) {
     const auto roles = bonesByRole(document, plan);
-    if (roles.contains("head") && (roles.contains("leftUpperArm") || roles.contains("leftUpperLeg"))) {
+    if (isHuman(roles)) {
         for (const HumanRole& role : kHumanRoles)
             if (const auto bone = roles.find(std::string(role.name)); bone != roles.end()) addTurns(made, unityName(bone->first), bone->second);
         return;

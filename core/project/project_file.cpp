@@ -91,8 +91,9 @@ void readSettings(Database& db, Document& document) {
     document.settings.bodyFollows = number(kBodyFollows, 0.0, CharacterSettings::kMostFollow);
     document.nextId = static_cast<PartId>(number(kNextId, std::int64_t{1}, std::int64_t{kMaxId}));
     if (all.contains(kRate)) {
-        document.settings.rate = static_cast<int>(number(kRate, std::int64_t{1}, std::int64_t{1000}));
-        require(std::ranges::find(CharacterSettings::kRates, document.settings.rate) != CharacterSettings::kRates.end(), "the rate is unknown");
+        // One that a newer program knows is none here.
+        const auto rate = static_cast<int>(number(kRate, std::int64_t{1}, std::int64_t{100'000}));
+        if (std::ranges::find(CharacterSettings::kRates, rate) != CharacterSettings::kRates.end()) document.settings.rate = rate;
     }
     // Projects in which nothing is mapped have no such row.
     if (const auto found = all.extract(kMappings)) {

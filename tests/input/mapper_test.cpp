@@ -222,3 +222,18 @@ TEST_CASE("mapper: a device that is plugged out is silent at once, whatever its 
     CHECK(stepFor(m, 1.0) <= fastest(InputMapper::kHandover));
     CHECK(m.shown(0) == 0.1);
 }
+
+TEST_CASE("mapper: what hangs on a spring swings beyond by the first press already, and comes to rest where its control is") {
+    InputRow row = rowOf("keys", "space");
+    row.spring = {3.0, 0.3};
+    InputMapper m = mapperOf({row}, 0.0);
+    m.take(valueOf("keys", "space", {1.0}));
+    double highest = 0.0;
+    for (int i = 0; i < 240; ++i) {
+        m.step(kStep);
+        highest = std::max(highest, m.shown(0));
+    }
+    CHECK(highest > 1.1);
+    CHECK(m.shown(0) == 1.0);
+    CHECK(!m.moved(0));
+}

@@ -268,6 +268,8 @@ TEST_CASE("live: a pad, keys and a body are mapped to the limbs of each sample: 
         CHECK(target(2, "ijkl", 1) == of(is.third, "/y"));
         CHECK(target(3, "bone/LeftUpperArm", 7) == of(is.arm, "/turn-x"));
         CHECK(target(3, "bone/Head", 8) == of(is.head, "/turn-y"));
+        for (const Json& row : run.answers[3]["rows"])
+            if (row["target"].get<std::string>().find("/turn-") != std::string::npos) CHECK(row["in"] == row["out"]);  // radians stay radians
         // Asked again, they are in the place of those from before.
         CHECK(run.answers[4]["mappings"] == run.answers[3]["mappings"]);
     }

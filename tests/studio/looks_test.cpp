@@ -10,7 +10,10 @@
 #include "tests/support/capsules.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
+#include "ui/dialogs/place_dialog.h"
 #include "ui/dialogs/preferences_dialog.h"
+#include "ui/panels/live/live_panel.h"
+#include "ui/panels/live/mapping_view.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/window/command_search.h"
 
@@ -69,6 +72,9 @@ void tour(Window& w, const Look& look, const QString& mesh) {
     panel("effectsDock", "effects");
     panel("accuracyDock", "accuracy");
     panel("takesDock", "takes");
+    w.run({{"do", "suggest-mappings"}, {"protocol", "keys"}});
+    window.live().view()->choose(0);
+    panel("liveDock", "live");
 
     w.trigger("export");
     auto* exporting = window.findChild<ExportDialog*>();
@@ -83,6 +89,12 @@ void tour(Window& w, const Look& look, const QString& mesh) {
     waitFor([&] { return import->findChild<QPushButton*>(QStringLiteral("importButton"))->isEnabled(); });
     keep(w, look, "import", *import);
     import->reject();
+
+    w.trigger("place-bone");
+    auto* placing = window.findChild<PlaceDialog*>();
+    REQUIRE(placing);
+    keep(w, look, "place", *placing);
+    placing->reject();
 
     PreferencesDialog preferences(window.actions(), &window);
     preferences.show();

@@ -198,10 +198,13 @@ bool InputDeck::wantsKey(std::string_view key) const {
     if (!isKeyName(key)) return false;
     const KeyStick* stick = keyStick(key);
     const auto& rows = document_.document().mappings;
+    const bool performs = waits() == Waits::No, solo = anySolo(document_.document());
+    // Triggers act while inputs wait, too.
+    const auto acts = [&](const InputMapping& m) { return !heardRow(m, solo).muted && (performs || m.target.starts_with("take/") || m.target.starts_with("trigger/")); };
     return std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
         if (s.protocol != InputProtocol::Keys || !s.open) return false;
         return learning() || (rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) {
-                                  return m.row.source == s.name && !m.row.muted && (m.row.channel == key || (stick && m.row.channel == stick->name));
+                                  return m.row.source == s.name && acts(m) && (m.row.channel == key || (stick && m.row.channel == stick->name));
                               }));
     });
 }
@@ -349,8 +352,11 @@ void InputDeck::letGo() {
 }
 
 void InputDeck::goOn() {
+    // What was let go meanwhile was not given: a new feed begins from what controls say now.
+    const bool missed = waits_ == Waits::Undone || waits_ == Waits::Refused;
     holdsAnyway_ = true;
     wait(Waits::No);
+    if (missed) follow();
 }
 
 void InputDeck::tell() {

@@ -7,6 +7,7 @@
 #include <QKeyEvent>
 #include <QKeySequenceEdit>
 #include <QLineEdit>
+#include <QMenuBar>
 #include <QPlainTextEdit>
 #include <QTextEdit>
 #include <algorithm>
@@ -43,12 +44,12 @@ bool typesWords() {
     const QWidget* focus = QApplication::focusWidget();
     const auto* box = qobject_cast<const QComboBox*>(focus);
     return (box && box->isEditable()) || qobject_cast<const QLineEdit*>(focus) || qobject_cast<const QAbstractSpinBox*>(focus) || qobject_cast<const QKeySequenceEdit*>(focus) || qobject_cast<const QTextEdit*>(focus) ||
-           qobject_cast<const QPlainTextEdit*>(focus);
+           qobject_cast<const QPlainTextEdit*>(focus) || qobject_cast<const QMenuBar*>(focus);
 }
 
 }  // namespace
 
-KeyListener::KeyListener(QWidget& window, InputDeck& inputs, std::function<bool()> typing) : QObject(&window), window_(window), inputs_(inputs), typing_(std::move(typing)) { qApp->installEventFilter(this); }
+KeyListener::KeyListener(QWidget& window, InputDeck& inputs, std::function<bool()> typing) : QObject(&inputs), window_(window), inputs_(inputs), typing_(std::move(typing)) { qApp->installEventFilter(this); }
 
 bool KeyListener::takes(const QKeyEvent& key, const std::string& name) const {
     if (key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier | Qt::ShiftModifier)) return false;
@@ -59,6 +60,8 @@ bool KeyListener::endsLearning(const QKeyEvent& key) const {
     return key.key() == Qt::Key_Escape && key.modifiers() == Qt::NoModifier && inputs_.learning() && window_.isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget();
 }
 
+bool KeyListener::holds(const std::string& name) const { return std::find(held_.begin(), held_.end(), name) != held_.end(); }
+
 void KeyListener::letGo() {
     for (const std::string& name : std::exchange(held_, {})) KeyBoard::say(name, false);
 }
@@ -67,7 +70,8 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
     switch (event->type()) {
         case QEvent::ShortcutOverride: {
             const auto& key = static_cast<const QKeyEvent&>(*event);
-            if (!endsLearning(key) && !takes(key, nameOf(key))) break;
+            const std::string name = nameOf(key);
+            if (!holds(name) && !endsLearning(key) && !takes(key, name)) break;
             event->accept();  // no shortcut
             return true;
         }
@@ -78,9 +82,9 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
                 return true;
             }
             const std::string name = nameOf(key);
-            const bool held = std::find(held_.begin(), held_.end(), name) != held_.end();
+            const bool held = holds(name);
             if (!held && !takes(key, name)) break;
-            if (!held) {
+            if (!held && !key.isAutoRepeat()) {  // a key that was down before is no press
                 held_.push_back(name);
                 KeyBoard::say(name, true);
             }
@@ -89,7 +93,7 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
         case QEvent::KeyRelease: {
             const auto& key = static_cast<const QKeyEvent&>(*event);
             const std::string name = nameOf(key);
-            if (std::find(held_.begin(), held_.end(), name) == held_.end()) break;
+            if (!holds(name)) break;
             if (!key.isAutoRepeat()) {
                 std::erase(held_, name);
                 KeyBoard::say(name, false);

@@ -17,12 +17,13 @@ class InputDeck;
 /// window goes to the back. Escape ends learning.
 class KeyListener : public QObject {
 public:
-    /// `typing`: keys are digits of something else at the moment.
+    /// `typing`: keys belong to a drag without a button.
     KeyListener(QWidget& window, InputDeck& inputs, std::function<bool()> typing);
     bool eventFilter(QObject* watched, QEvent* event) override;
 
 private:
     [[nodiscard]] bool takes(const QKeyEvent& key, const std::string& name) const;
+    [[nodiscard]] bool holds(const std::string& name) const;
     void letGo();
     /// While somebody learns, whatever has the focus.
     [[nodiscard]] bool endsLearning(const QKeyEvent& key) const;

@@ -96,7 +96,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
     states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, *clipboard_, this);
-    new KeyListener(*this, *inputs_, [this] { return viewport_->tools().busy(); });
+    new KeyListener(*this, *inputs_, [this] { return viewport_->tools().tool().modal(); });
     next_ = new NextSteps(document_, *actions_, menus_->samplesMenu(), viewport_->parentWidget());
 
     stageMode_ = new StageMode(*this, *viewport_, *overlays_, *docks_);
