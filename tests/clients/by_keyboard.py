@@ -252,7 +252,8 @@ def session(studio, folder):
         studio.set("Name", face)
         studio.choose("Element", body)
         studio.set("Origin: Z", z)
-        studio.set("Normal: Z", outward)
+        for axis, number in (("X", "0"), ("Y", "0"), ("Z", outward)):  # what is proposed is across the longest side
+            studio.set("Normal: " + axis, number)
         studio.press("Place")
         studio.closed("Place a joint face")
     studio.set("Name", "nose")
