@@ -22,6 +22,7 @@ constexpr const char* kSolo = "solo";
 constexpr auto kFileKey = "imomushi-mappings";
 constexpr int kFileVersion = 1;
 constexpr int kDeepest = 8;  // a file nests less
+constexpr double kSlowestSpring = 1e-3;  // Hz: slower ones are none
 
 template <std::size_t count>
 int indexIn(const std::array<std::string_view, count>& names, std::string_view name) {
@@ -232,6 +233,7 @@ Result<InputMapping> mappingFrom(const Json& value) {
                                         std::tuple("reaction", InputMapping::kLargestHertz, &row.filter.reaction), std::tuple("after", InputMapping::kLongestAfter, &row.after), std::tuple("spring", InputMapping::kFastestSpring, &row.spring.hertz)})
         if (auto ok = readNumber(value, key, 0.0, high, *to); !ok) return tl::unexpected(ok.error());
     if (auto ok = readNumber(value, "exponent", 1.0 / InputMapping::kLargestExponent, InputMapping::kLargestExponent, curve.exponent); !ok) return tl::unexpected(ok.error());
+    if (row.spring.hertz < kSlowestSpring) row.spring.hertz = 0.0;
     if (auto ok = readNumber(value, "spring_damping", Spring::kLeastDamping, 1.0, row.spring.damping); !ok) return tl::unexpected(ok.error());
     if (const Json* given = find(value, "silence")) {
         const int index = given->is_string() ? indexIn(kSilences, given->get_ref<const std::string&>()) : -1;

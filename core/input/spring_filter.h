@@ -19,7 +19,7 @@ public:
     void restart(double value) { value_ = value, speed_ = 0.0; }
     /// A step of so many seconds towards `goal`: the exact motion of a damped oscillator, so that any step is stable and steps of any length agree.
     double follow(double goal, double seconds, const Spring& spring) {
-        if (!(spring.hertz > kSlowest)) {
+        if (!(spring.hertz > 0.0)) {
             speed_ = 0.0;
             return value_ = goal;
         }
@@ -39,7 +39,7 @@ public:
     }
 
 private:
-    static constexpr double kRest = 1e-7, kSlowest = 1e-3;  // slower ones are none
+    static constexpr double kRest = 1e-7;
     double value_ = 0.0, speed_ = 0.0;
 };
 

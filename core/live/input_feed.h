@@ -20,7 +20,7 @@ class LiveCharacter;
 class InputFeed {
 public:
     static constexpr std::size_t kValues = 8192;  ///< half a second of 15,000 a second
-    static constexpr std::size_t kSteps = 4096;   ///< a minute at 60 Hz, 17 s at 240
+    static constexpr std::size_t kSteps = 4096;   ///< a minute
     static constexpr std::size_t kHolds = 1024;
     explicit InputFeed(InputDriver driver);
 
