@@ -256,7 +256,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"suggest-mappings protocol", R"({"do":"suggest-mappings","protocol":"%"})"},
         {"render theme", R"({"do":"render","path":"%.png","width":64,"height":36,"theme":"%"})"},
     };
-    const std::set<std::string> named = {"set target", "add-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose", "map-input source", "map-input channel",  // quotes of other things
+    const std::set<std::string> named = {"set target", "add-joint-face plane", "edit-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose", "map-input source", "map-input channel",  // quotes of other things
                                          "propose from", "import-skeleton unit", "import-skeleton up", "import-clips unit", "import-clips up", "express expression", "morph target"};  // need a file with a skeleton or morph targets: make_soft_test, rig_test of document
     std::string lines = "{\"do\":\"write-mesh\",\"path\":\"rest.obj\",\"element\":\"head\",\"state\":\"rest\"}\n", command;
     std::size_t tried = 0;
