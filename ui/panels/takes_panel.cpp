@@ -104,15 +104,15 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
     });
     connect(bar_, &TimeBar::spanWanted, &deck_, &TakeDeck::setSpan);
 
-    auto* records = new QWidget(this);
-    auto* recordRow = fill(new QHBoxLayout(records), QMargins(0, 0, 0, 0), Spacing{2}, Share{record_, 1}, Space{4});
+    records_ = new QWidget(this);
+    auto* recordRow = fill(new QHBoxLayout(records_), QMargins(0, 0, 0, 0), Spacing{2}, Share{record_, 1}, Space{4});
     button("count-in", recordRow);
     takeButtons_ = group({"rename-take", "duplicate-take", "remove-take"});
     static_cast<QHBoxLayout*>(takeButtons_->layout())->addStretch();
     left_ = new QWidget(this);
     auto* above = new QWidget(left_);
     auto* aboveRow = new WrappingLayout(above);
-    for (QWidget* part : {records, takeButtons_}) aboveRow->addWidget(part);
+    for (QWidget* part : {records_, takeButtons_}) aboveRow->addWidget(part);
     auto* left = fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{6}, above, Share{list_, 1});
     left->addStretch();  // the button stays where it is while there is no list
     auto* right = fill(new QVBoxLayout, Spacing{4}, empty_, Share{clips_, 0, Qt::AlignLeft}, transport_, bar_, Stretch{});
@@ -141,7 +141,8 @@ void TakesPanel::takeSizes() {
 
 void TakesPanel::shareWidth() {
     const int share = model_->rowCount() > 0 ? width() / 3 : width() * 2 / 5;
-    left_->setFixedWidth(std::clamp(share, px(180), px(290)));
+    const int least = std::max(px(180), records_->minimumSizeHint().width());  // its words and its key
+    left_->setFixedWidth(std::clamp(share, least, std::max(least, px(290))));
 }
 
 void TakesPanel::resizeEvent(QResizeEvent* event) {

@@ -58,7 +58,7 @@ private:
     QPushButton* record_;
     QListView* list_;
     QLabel* empty_;
-    QWidget* left_;
+    QWidget *left_, *records_;
     QWidget* takeButtons_;
     QToolButton *clips_, *moreClips_;  // where the file of the character has clips: while there is no take, and then
     QWidget* transport_;
