@@ -48,7 +48,7 @@ Result<std::unique_ptr<KeyPort>> KeyPort::open() {
     // Before the lock: whose destructor takes it, where this fails.
     auto port = std::unique_ptr<KeyPort>(new KeyPort);
     const std::lock_guard lock(keys().mutex);
-    if (keys().boards == 0) return fail("no-devices", "Keys are heard by the studio's window alone. Without a window, replay what was recorded of them.");
+    if (keys().boards == 0) return fail("no-devices", "Keys are heard by the studio's window alone.");
     if (port->event_ < 0) return fail("no-devices", "The keyboard cannot be heard: this program has too many files open.");
     keys().ports.push_back(port.get());
     return port;
