@@ -96,6 +96,14 @@ Result<Performance> Performance::build(const Document& document, const Character
     return made;
 }
 
+bool Performance::takeMotion(const Performance& of) {
+    if (!dynamics_ || !of.dynamics_ || !dynamics_->takeMotion(*of.dynamics_)) return false;
+    // What lift() raised in the last frame stays raised.
+    raised_ = of.raised_;
+    lifted_ = of.lifted_;
+    return true;
+}
+
 double Performance::predict(const Document& document, const CharacterPlan& plan) {
     auto trial = build(document, plan);
     if (!trial || plan.input.skeleton.bones.empty()) return 0.0;

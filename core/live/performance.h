@@ -31,7 +31,7 @@ public:
     /// Sets the pose to `kinematic` with zero velocity. Without bone dynamics it is raised above the ground at once, and a goal that the ground lifts sets the warning HeldByGround; with bone dynamics `goals` are not used.
     void reset(const Pose& kinematic, std::span<const IkGoal> goals);
     /// Goes on with the motion of bones of another one. False: there is none, or its skeleton is another one, and nothing changes.
-    bool takeMotion(const Performance& of) { return dynamics_ && of.dynamics_ && dynamics_->takeMotion(*of.dynamics_); }
+    bool takeMotion(const Performance& of);
     /// One frame: the per-frame job. `seconds` > 0.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
     /// Takes the flesh near the ground as last shown (groundFlesh() in ground_job.h) and the joint points it was shown with (m, world). The

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "core/document/kept_pose.h"
 #include "core/document/rig_follower.h"
 #include "core/mesh/avatar.h"
+#include "core/mesh/bounds.h"
 #include "core/mesh/humanoid.h"
 #include "core/mesh/render_model.h"
 #include "core/skeleton/bone_tree.h"
@@ -25,12 +27,12 @@ namespace imomushi {
 
 namespace {
 
-/// How far a stick moves what it drives, over the size of the character.
-constexpr double kReach = 0.22;
+/// usualReach() over characterSize().
+constexpr double kReach = 0.15;
 /// Bones within this part of the size belong to one hand.
-constexpr double kHand = 0.12;
+constexpr double kHand = 0.085;
 /// What reaches less far to a side than this part of the size is in the middle.
-constexpr double kSide = 0.08;
+constexpr double kSide = 0.055;
 /// Cutoffs of smoothing, Hz: a key jumps from 0 to 1 and needs more than a stick, which a hand leads.
 constexpr double kKeyHertz = 1.0, kStickHertz = 8.0, kPoseHertz = 2.0;
 
@@ -43,26 +45,16 @@ struct Limb {
 
 struct Limbs {
     std::vector<Limb> all;
-    double size = 0.0;  ///< m, of the character
+    double size = 0.0;  ///< m, characterSize()
     std::vector<int> parent;  ///< of each bone
 };
-
-double rounded(double metres) { return std::round(metres * 100.0) / 100.0; }
 
 Limbs limbsOf(const Document& document, const CharacterPlan& plan) {
     const Skeleton& skeleton = plan.input.skeleton;
     const auto bones = static_cast<int>(skeleton.bones.size());
     Limbs limbs;
     limbs.parent = boneTree(skeleton).parent;
-    Eigen::AlignedBox3d box;
-    for (const Vec3& p : skeleton.points) box.extend(p);
-    for (const PartId id : plan.elements) {
-        const Points& vertices = document.elements.at(id)->mesh->body.vertices;
-        if (vertices.rows() == 0) continue;
-        box.extend(Vec3(vertices.colwise().minCoeff().transpose()));
-        box.extend(Vec3(vertices.colwise().maxCoeff().transpose()));
-    }
-    limbs.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+    limbs.size = characterSize(document);
 
     // A bone is a leaf where no other one hangs on it. `reach`: how far what hangs on a bone goes from its start.
     const auto of = [](const auto& list, int i) -> decltype(auto) { return list[static_cast<std::size_t>(i)]; };
@@ -171,7 +163,7 @@ Controls controlsOf(InputProtocol protocol) {
 void suggestControls(Suggestion& made, const Document& document, const Limbs& limbs, InputProtocol protocol) {
     const Controls controls = controlsOf(protocol);
     const Led led = ledBy(limbs);
-    const double reach = std::max(0.01, rounded(kReach * limbs.size));
+    const double reach = usualReach(document);
     std::vector<Limb> order = led.sides;
     order.insert(order.end(), led.rest.begin(), led.rest.end());
     for (std::size_t i = 0; i < std::min(order.size(), controls.sticks.size()); ++i) {
@@ -297,6 +289,23 @@ void suggestFace(Suggestion& made, const CharacterSource& character) {
 }
 
 }  // namespace
+
+double characterSize(const Document& document) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const auto& [id, element] : document.elements) {
+        const Points& vertices = element->mesh->body.vertices;
+        if (vertices.rows() == 0) continue;
+        const Bounds box = boundsOf(vertices);
+        low = low.cwiseMin(box.low);
+        high = high.cwiseMax(box.high);
+    }
+    return low.x() <= high.x() ? (high - low).norm() : 1.0;
+}
+
+double usualReach(const Document& document) {
+    const double reach = kReach * characterSize(document), unit = std::pow(10.0, std::floor(std::log10(std::max(reach, 1e-9))) - 1.0);
+    return unit * std::round(reach / unit);
+}
 
 InputMappings suggestedMappings(const Document& document, const CharacterPlan& plan, InputProtocol protocol, const std::string& source) {
     Suggestion made(document, source);

@@ -9,6 +9,11 @@
 
 namespace imomushi {
 
+/// The diagonal of the box around all elements at rest, m; 1 where there are none.
+double characterSize(const Document& document);
+/// How far a control moves an end of a bone or a handle unless somebody says otherwise, m: a part of characterSize(), two digits.
+double usualReach(const Document& document);
+
 /// The mappings by which a source drives a character that nobody has mapped yet.
 ///
 /// Pads and keys: limbs are chains of bones that end freely and are not pinned; a hand is one limb, not its fingers. A stick moves the limb that reaches farthest to one side of the scene (-x), a

@@ -43,7 +43,7 @@ public:
             case 10: return {{"do", "rename"}, {"target", below(2) ? element() : bone()}, {"name", name()}};
             case 11: return {{"do", "set"}, {"target", element()}, {"property", one({"nu", "stiffness", "density", "damping"})}, {"value", number(-0.1, 1.0)}};
             case 12: return {{"do", "set"}, {"target", bone()}, {"property", one({"min-stretch", "max-twist", "stiffness", "weight"})}, {"value", number(0.0, 2.0)}};
-            case 13: return {{"do", "set"}, {"target", "character"}, {"property", one({"basis", "threads", "rate"})}, {"value", below(2) ? Json(one({"paper", "affine", "modes:6"})) : Json(below(3))}};
+            case 13: return {{"do", "set"}, {"target", "character"}, {"property", one({"basis", "threads", "rate"})}, {"value", below(2) ? Json(one({"paper", "affine", "modes:6"})) : below(2) ? Json(below(3)) : Json(60 << below(3))}};
             case 14: return {{"do", below(3) ? "enable" : "disable"}, {"effect", effect()}};
             case 15: return {{"do", "set"}, {"target", effect()}, {"property", one({"damping", "strength", "height", "sag", "amount"})}, {"value", number(-1.0, 3.0)}};
             case 16:

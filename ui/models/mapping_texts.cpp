@@ -11,6 +11,7 @@
 #include "core/document/names.h"
 #include "core/input/key_names.h"
 #include "core/live/live_input.h"
+#include "core/live/suggested_mappings.h"
 #include "core/mesh/render_model.h"
 #include "ui/models/effect_texts.h"
 
@@ -23,31 +24,13 @@ struct MappingTexts {
 
 using TargetKind = MappedTarget::Kind;
 
-/// Of the size of the character, for places; radians for turns.
-constexpr double kReachOfSize = 0.15, kReachTurn = std::numbers::pi / 4.0;
+constexpr double kReachTurn = std::numbers::pi / 4.0;  // radians
 
 QString placeAxis(int axis) { return axis == 0 ? MappingTexts::tr("sideways (X)") : axis == 1 ? MappingTexts::tr("up (Y)") : MappingTexts::tr("forward (Z)"); }
 QString turnAxis(int axis) { return MappingTexts::tr("turn %1", "about an axis").arg(QChar(u'X' + axis)); }
 
 bool turns(TargetKind kind) { return kind == TargetKind::HandleTurn || kind == TargetKind::BoneTurn || kind == TargetKind::EndRoll; }
 bool places(TargetKind kind) { return kind == TargetKind::HandlePlace || kind == TargetKind::EndPlace; }
-
-double sizeOf(const Document& document) {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const auto& [id, element] : document.elements) {
-        const auto& vertices = element->mesh->body.vertices;
-        if (vertices.rows() == 0) continue;
-        low = low.cwiseMin(vertices.colwise().minCoeff().transpose());
-        high = high.cwiseMax(vertices.colwise().maxCoeff().transpose());
-    }
-    return low.x() <= high.x() ? (high - low).norm() : 1.0;
-}
-
-/// Two digits that say something: 0.15, 12, 130.
-double rounded(double value) {
-    const double unit = std::pow(10.0, std::floor(std::log10(std::max(value, 1e-9))) - 1.0);
-    return unit * std::round(value / unit);
-}
 
 QString triggerText(const QString& take, bool plays) { return plays ? MappingTexts::tr("Play “%1”", "a take").arg(take) : MappingTexts::tr("Stop “%1”", "a take").arg(take); }
 
@@ -220,7 +203,7 @@ std::pair<double, double> usualReach(const Document& document, const MappedTarge
         const double now = document.effects[target.effect].values[std::size_t(target.value)], way = now != 0.0 ? std::abs(now) : 1.0;
         return {std::clamp(twoSided ? now - way : now, property.low, property.high), std::clamp(now + way, property.low, property.high)};
     }
-    const double reach = places(target.kind) ? rounded(kReachOfSize * sizeOf(document)) : turns(target.kind) ? kReachTurn : 1.0;
+    const double reach = places(target.kind) ? usualReach(document) : turns(target.kind) ? kReachTurn : 1.0;
     return {twoSided && target.kind != TargetKind::Morph && target.kind != TargetKind::Pose && !target.isTrigger() ? -reach : 0.0, reach};
 }
 

@@ -268,7 +268,7 @@ void MainWindow::connectLiveActions() {
             const auto& sources = inputs_->sources();
             for (std::size_t i = 0; i < sources.size(); ++i)
                 if (sources[i].name == protocolName(protocol) && !sources[i].on) inputs_->setOn(i, true);
-            if (inputs_->waits() != InputDeck::Waits::No && inputs_->waits() != InputDeck::Waits::Take && inputs_->waits() != InputDeck::Waits::NoCharacter) inputs_->goOn();
+            inputs_->goOn();
             StudioDocks::raise(live());
             messages().say(tr("%n mapping(s) made. Change them as you like.", nullptr, answer->at("suggested").get<int>()), MessageBar::Tone::Good);
         });
