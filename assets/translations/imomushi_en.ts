@@ -4,6 +4,14 @@
     <context>
         <name>ToolTexts</name>
         <message numerus="yes">
+            <source>%n thing(s)</source>
+            <comment>that are selected</comment>
+            <translation>
+                <numerusform>%n thing</numerusform>
+                <numerusform>%n things</numerusform>
+            </translation>
+        </message>
+        <message numerus="yes">
             <source>%n cut(s)</source>
             <translation>
                 <numerusform>%n cut</numerusform>

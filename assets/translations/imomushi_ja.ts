@@ -4,6 +4,14 @@
     <context>
         <name>Actions</name>
         <message>
+            <source>Sho&amp;w only what is selected</source>
+            <translation>選択したものだけを表示(&amp;W)</translation>
+        </message>
+        <message>
+            <source>&amp;Lock or unlock what is selected</source>
+            <translation>選択したものをロック／解除(&amp;L)</translation>
+        </message>
+        <message>
             <source>&amp;Versions…</source>
             <translation>バージョン(&amp;V)…</translation>
         </message>
@@ -2102,6 +2110,55 @@
     </context>
     <context>
         <name>ToolTexts</name>
+        <message>
+            <source>element “%1”</source>
+            <translation>要素「%1」</translation>
+        </message>
+        <message>
+            <source>handle “%1”</source>
+            <translation>ハンドル「%1」</translation>
+        </message>
+        <message>
+            <source>joint face “%1”</source>
+            <translation>関節面「%1」</translation>
+        </message>
+        <message>
+            <source>bone “%1”</source>
+            <translation>ボーン「%1」</translation>
+        </message>
+        <message>
+            <source>end of a bone “%1”</source>
+            <translation>ボーンの端「%1」</translation>
+        </message>
+        <message>
+            <source>character “%1”</source>
+            <translation>キャラクター「%1」</translation>
+        </message>
+        <message>
+            <source>cut “%1”</source>
+            <translation>切断面「%1」</translation>
+        </message>
+        <message>
+            <source>nothing</source>
+            <comment>is selected or under the pointer</comment>
+            <translation>なし</translation>
+        </message>
+        <message>
+            <source>, </source>
+            <comment>between names</comment>
+            <translation>、</translation>
+        </message>
+        <message>
+            <source>Selected: %1. Under the pointer: %2</source>
+            <translation>選択中：%1。ポインターの下：%2</translation>
+        </message>
+        <message numerus="yes">
+            <source>%n thing(s)</source>
+            <comment>that are selected</comment>
+            <translation>
+                <numerusform>%n 個</numerusform>
+            </translation>
+        </message>
         <message>
             <source>A bone needs two different ends. Click somewhere else.</source>
             <translation>ボーンには異なる 2 つの端が必要です。別の場所をクリックしてください。</translation>
@@ -4711,6 +4768,22 @@
     </context>
     <context>
         <name>imomushi::OutlinerModel</name>
+        <message>
+            <source>Joints</source>
+            <translation>関節</translation>
+        </message>
+        <message>
+            <source>Effects</source>
+            <translation>効果</translation>
+        </message>
+        <message>
+            <source>automatic</source>
+            <translation>自動</translation>
+        </message>
+        <message>
+            <source>On: click to turn off</source>
+            <translation>オン：クリックでオフ</translation>
+        </message>
         <message>
             <source>Character</source>
             <translation>キャラクター</translation>

@@ -18,6 +18,7 @@
 #include "ui/viewport/axis_ball.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/choice_card.h"
+#include "ui/window/next_steps.h"
 #include "ui/window/status_strip.h"
 
 using namespace imomushi;
@@ -113,6 +114,30 @@ TEST_CASE("studio: at 1280 x 720 all tools are seen, in more columns where they 
     int breaks = 0;
     for (auto* bar : w.window().findChildren<QToolBar*>(Qt::FindDirectChildrenOnly)) breaks += w.window().toolBarBreak(bar);
     CHECK(breaks == 0);
+}
+
+TEST_CASE("studio: at 1280 x 720 what comes next is said in whole words beside the ball of axes, at every size of letters, in both languages") {
+    Window w(kSmallest);
+    w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    w.run({{"do", "rename"}, {"target", w.now().elements.begin()->second->name}, {"name", "the caterpillar of my sister"}});
+    auto* next = w.window().findChild<NextSteps*>();
+    REQUIRE(next);
+    w.window().findChild<QDockWidget*>(QStringLiteral("accuracyDock"))->hide();
+    w.window().findChild<QDockWidget*>(QStringLiteral("takesDock"))->show();
+    for (const char* language : {"en", "ja"})
+        for (const double scale : {1.0, 1.5}) {
+            CAPTURE(language);
+            CAPTURE(scale);
+            Appearance::instance().setLanguage(QString::fromLatin1(language));
+            Appearance::instance().setScale(scale);
+            w.settle();
+            w.settle();
+            REQUIRE(next->isVisible());
+            CHECK_MESSAGE(QTest::qWaitFor([&] { return cutOff(*next) == ""; }), cutOff(*next));
+            CHECK(!AxisBall::area(w.view().width(), scale).intersects(next->geometry()));
+            CHECK(w.view().rect().contains(next->geometry()));
+            w.shoot("next-small");
+        }
 }
 
 TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen, in both languages") {

@@ -4,6 +4,7 @@
 #include <QTreeView>
 
 #include "tests/studio/window.h"
+#include "ui/models/effect_texts.h"
 #include "ui/panels/history_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/window/status_strip.h"
@@ -222,6 +223,74 @@ TEST_CASE("studio: selection in the outliner is the selection of the document, a
     CHECK(!w.now().elements.at(id)->visible);
     w.trigger("undo");
     CHECK(w.now().elements.at(id)->visible);
+}
+
+TEST_CASE("studio: in the outliner eyes and locks of joint faces and bones are clicked, joints select their faces, and an effect is turned off") {
+    Window w;
+    for (int i = 0; i < 2; ++i) {
+        w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+        w.run({{"do", "add-joint-face"}, {"element", w.now().elements.rbegin()->second->name}, {"name", "end"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+    }
+    const std::string a = w.now().elements.begin()->second->name, b = w.now().elements.rbegin()->second->name;
+    const PartId id = w.now().elements.begin()->first;
+    w.run({{"do", "join"}, {"a", a + "/end"}, {"b", b + "/end"}});
+    w.run({{"do", "add-bone"}, {"name", "spine"}, {"element", ""}, {"from", {0, 0, -2}}, {"to", {0, 0, 2}}});
+    w.run({{"do", "enable"}, {"effect", "bend-warp"}});
+    w.settle();
+    QTreeView* tree = w.window().outliner().tree();
+    const auto row = [&](const QString& name) {
+        const QModelIndexList found = tree->model()->match(tree->model()->index(0, 0), Qt::DisplayRole, name, 1, Qt::MatchExactly | Qt::MatchRecursive);
+        REQUIRE(!found.isEmpty());
+        return found.first();
+    };
+    const auto click = [&](const QModelIndex& name, int column) {
+        const QModelIndex cell = name.siblingAtColumn(column);
+        tree->scrollTo(cell);
+        const QPoint at = tree->visualRect(cell).center();
+        CHECK(tree->indexAt(at) == cell);
+        QTest::mouseClick(tree->viewport(), Qt::LeftButton, {}, at);
+    };
+    click(row(QStringLiteral("end")), OutlinerModel::Visible);
+    CHECK(!w.now().elements.at(id)->faces.front().visible);
+    click(row(QStringLiteral("spine")), OutlinerModel::Locked);
+    CHECK(w.now().boneNamed("spine")->locked);
+    click(row(QString::fromStdString(a + "/end ↔ " + b + "/end")), OutlinerModel::Name);
+    CHECK(w.document().selection().size() == 2);
+    click(row(effectTitle(EffectKind::BendWarp)), OutlinerModel::Visible);
+    CHECK(!w.now().effects.has(EffectKind::BendWarp));
+    CHECK(tree->model()->match(tree->model()->index(0, 0), Qt::DisplayRole, effectTitle(EffectKind::BendWarp), 1, Qt::MatchExactly | Qt::MatchRecursive).isEmpty());
+    w.trigger("undo");
+    CHECK(w.now().effects.has(EffectKind::BendWarp));
+    w.shoot("outliner");
+}
+
+TEST_CASE("studio: what is selected is shown alone, locked and let go of again by keys, each as one step; all of a kind are selected") {
+    Window w;
+    for (int i = 0; i < 3; ++i) w.import(QStringLiteral(IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"));
+    w.run({{"do", "add-bone"}, {"name", "spine"}, {"element", ""}, {"from", {0, 0, -2}}, {"to", {0, 0, 2}}});
+    w.run({{"do", "add-bone"}, {"name", "tail"}, {"element", ""}, {"from", "spine/end"}, {"to", {0, 0, 4}}});
+    const PartId first = w.now().elements.begin()->first;
+    w.document().select({{SelectionItem::Kind::Element, first, {}, false}});
+    const int steps = w.document().session().position();
+    w.trigger("isolate");
+    CHECK(w.document().session().position() == steps + 1);
+    for (const auto& [id, element] : w.now().elements) CHECK(element->visible == (id == first));
+    for (const auto& [id, bone] : w.now().bones) CHECK(!bone->visible);
+    w.trigger("show-all");
+    for (const auto& [id, element] : w.now().elements) CHECK(element->visible);
+    w.document().select({{SelectionItem::Kind::Bone, w.now().boneNamed("tail")->id, {}, false}});
+    w.trigger("isolate");
+    CHECK(w.now().elements.at(first)->visible);
+    CHECK(!w.now().boneNamed("spine")->visible);
+    w.trigger("undo");
+    w.trigger("lock");
+    CHECK(w.now().boneNamed("tail")->locked);
+    w.trigger("select-all");  // of bones; what is locked is not taken
+    REQUIRE(w.document().selection().size() == 1);
+    CHECK(w.document().selection().front().part == w.now().boneNamed("spine")->id);
+    w.document().select({{SelectionItem::Kind::Bone, w.now().boneNamed("tail")->id, {}, false}});
+    w.trigger("lock");
+    CHECK(!w.now().boneNamed("tail")->locked);
 }
 
 TEST_CASE("studio: a refused command is told in the window and changes nothing") {

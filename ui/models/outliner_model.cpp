@@ -13,6 +13,7 @@
 
 #include "core/document/character_input.h"
 #include "ui/models/commands.h"
+#include "ui/models/effect_texts.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
 
@@ -55,7 +56,7 @@ OutlinerModel::OutlinerModel(StudioDocument& document, QObject* parent)
     rebuild();
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         // It shows, too, whose response is out of date.
-        if (change.forResponses() || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints)) rebuild();
+        if (change.forResponses() || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints) || change.has(&DocumentChange::effects)) rebuild();
     });
     connect(&document, &StudioDocument::responsesChanged, this, &OutlinerModel::retranslate);
     connect(&document, &StudioDocument::fileChanged, this, &OutlinerModel::retranslate);
@@ -92,6 +93,16 @@ void OutlinerModel::rebuild() {
             for (auto it = begin; it != end; ++it) grow(node.add(Kind::Bone, it->second), it->second);
         };
         grow(bones, 0);
+    }
+    if (!d.joints.empty()) {
+        Node& joints = character.add(Kind::Joints, 0);
+        for (const auto& [id, joint] : d.joints) joints.add(Kind::Joint, id);
+    }
+    Node* effects = nullptr;
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        if (!d.effects.has(static_cast<EffectKind>(k))) continue;
+        if (!effects) effects = &character.add(Kind::Effects, 0);
+        effects->add(Kind::Effect, static_cast<PartId>(k));
     }
     if (root->sameShape(*root_)) {
         retranslate();
@@ -159,9 +170,27 @@ std::optional<SelectionItem> OutlinerModel::item(const QModelIndex& index) const
         case Kind::Whole: return SelectionItem{SelectionItem::Kind::Character, n.part, {}, false};
         case Kind::Cut: return SelectionItem{SelectionItem::Kind::Cut, n.part, {}, false};
         case Kind::Character:
-        case Kind::Bones: break;
+        case Kind::Bones:
+        case Kind::Joints:
+        case Kind::Joint:
+        case Kind::Effects:
+        case Kind::Effect: break;
     }
     return std::nullopt;
+}
+
+std::vector<SelectionItem> OutlinerModel::items(const QModelIndex& index) const {
+    if (const auto one = item(index)) return {*one};
+    std::vector<SelectionItem> faces;
+    const auto& joints = document_.document().joints;
+    if (const Node& n = *node(index); n.kind == Kind::Joint && joints.contains(n.part))
+        for (const FaceRef& face : joints.at(n.part)->faces) faces.push_back({SelectionItem::Kind::Face, face.element, face.face, false});
+    return faces;
+}
+
+std::optional<EffectKind> OutlinerModel::effect(const QModelIndex& index) const {
+    const Node& n = *node(index);
+    return n.kind == Kind::Effect ? std::optional(static_cast<EffectKind>(n.part)) : std::nullopt;
 }
 
 QModelIndex OutlinerModel::indexOf(const SelectionItem& wanted) const {
@@ -184,6 +213,13 @@ QModelIndex OutlinerModel::indexOf(const SelectionItem& wanted) const {
 }
 
 namespace {
+
+QString facesOf(const Document& d, PartId joint) {
+    QStringList names;
+    if (const auto found = d.joints.find(joint); found != d.joints.end())
+        for (const FaceRef& face : found->second->faces) names << QString::fromStdString(pathOf(d, face));
+    return names.join(QStringLiteral(" ↔ "));
+}
 
 QString joinedWith(const Document& d, PartId element, const std::string& face) {
     QStringList others;
@@ -226,13 +262,18 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
                     case Kind::Bone: return QString::fromStdString(d.bones.at(n.part)->name);
                     case Kind::Whole:
                     case Kind::Cut: return whole;
+                    case Kind::Joints: return tr("Joints");
+                    case Kind::Joint: return facesOf(d, n.part);
+                    case Kind::Effects: return tr("Effects");
+                    case Kind::Effect: return effectTitle(static_cast<EffectKind>(n.part));
                 }
             }
             if (role == IconRole) {
-                static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone", "character", "cut"};
+                static constexpr const char* kIcons[] = {"character", "element", "face", "bones", "bone", "character", "cut", "joint", "joint", "spring", "spring"};
                 if (n.kind == Kind::Face && e->handleOf(n.face)) return QStringLiteral("handle");
                 return QString::fromLatin1(kIcons[int(n.kind)]);
             }
+            if (role == NoteRole && n.kind == Kind::Effect && d.effects[static_cast<EffectKind>(n.part)].automatic) return tr("automatic");
             if (role == NoteRole && n.kind == Kind::Face) {
                 const QString others = joinedWith(d, n.part, n.face);
                 return others.isEmpty() ? QString() : QStringLiteral("↔ %1").arg(others);
@@ -258,6 +299,10 @@ QVariant OutlinerModel::data(const QModelIndex& index, int role) const {
         }
         case Visible:
         case Locked: {
+            if (n.kind == Kind::Effect && index.column() == Visible) {
+                if (role == IconRole) return QStringLiteral("eye");
+                if (role == Qt::ToolTipRole || role == Qt::AccessibleTextRole) return tr("On: click to turn off");
+            }
             const auto parts = switched(n);
             if (parts.empty()) break;
             const bool text = role == Qt::ToolTipRole || role == Qt::AccessibleTextRole;
@@ -295,7 +340,8 @@ Qt::ItemFlags OutlinerModel::flags(const QModelIndex& index) const {
     if (!index.isValid()) return Qt::NoItemFlags;
     Qt::ItemFlags flags = Qt::ItemIsEnabled | Qt::ItemIsSelectable;
     const Kind kind = node(index)->kind;
-    if (index.column() == Name && kind != Kind::Character && kind != Kind::Bones) flags |= Qt::ItemIsEditable;
+    const bool named = kind == Kind::Element || kind == Kind::Face || kind == Kind::Bone || kind == Kind::Whole || kind == Kind::Cut;
+    if (index.column() == Name && named) flags |= Qt::ItemIsEditable;
     if (kind == Kind::Face || kind == Kind::Bone) flags |= Qt::ItemIsDragEnabled | Qt::ItemIsDropEnabled;
     return flags;
 }
@@ -361,6 +407,7 @@ bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int
 
 void OutlinerModel::toggle(const QModelIndex& index) {
     const Node& n = *node(index);
+    if (const auto of = effect(index); of && index.column() == Visible) (void)document_.execute(commands::disable(*of));
     const auto parts = switched(n);
     if (parts.empty() || (index.column() != Visible && index.column() != Locked)) return;
     const bool hides = std::any_of(parts.begin(), parts.end(), [](const auto& of) { return of.shown.visible; });

@@ -4,19 +4,20 @@
 #include <QAbstractItemModel>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "ui/models/paths.h"
 #include "ui/models/studio_document.h"
 
 namespace imomushi {
 
-/// The document as a tree: elements > joint faces, whole characters > their elements and cuts, and the bones as they hang on each other. A bone that is dropped on another hangs on it then, a joint
+/// The document as a tree: elements > joint faces, whole characters > their elements and cuts, the bones as they hang on each other, joints, and effects that are on. A bone that is dropped on another hangs on it then, a joint
 /// face that is dropped on another is joined with it.
 class OutlinerModel : public QAbstractItemModel {
     Q_OBJECT
 public:
     enum Column { Name, State, Visible, Locked, kColumns };
-    enum class Kind { Character, Element, Face, Bones, Bone, Whole, Cut };
+    enum class Kind { Character, Element, Face, Bones, Bone, Whole, Cut, Joints, Joint, Effects, Effect };
     enum Roles {
         KindRole = Qt::UserRole,  ///< int of Kind
         IconRole,                 ///< QString: name of a line icon; empty: none
@@ -27,6 +28,10 @@ public:
     ~OutlinerModel() override;
 
     [[nodiscard]] std::optional<SelectionItem> item(const QModelIndex& index) const;
+    /// What a click on a row selects: its item, or the faces of a joint.
+    [[nodiscard]] std::vector<SelectionItem> items(const QModelIndex& index) const;
+    /// Of the row of an effect.
+    [[nodiscard]] std::optional<EffectKind> effect(const QModelIndex& index) const;
     /// Where an item is shown; an endpoint is shown at its bone.
     [[nodiscard]] QModelIndex indexOf(const SelectionItem& item) const;
 
@@ -43,7 +48,7 @@ public:
     [[nodiscard]] bool canDropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) const override;
     bool dropMimeData(const QMimeData* data, Qt::DropAction action, int row, int column, const QModelIndex& parent) override;
 
-    /// Shows or hides, locks or unlocks an element, joint face, bone or cut, or all elements of a character or of the scene, or all bones.
+    /// Shows or hides, locks or unlocks an element, joint face, bone or cut, or all elements of a character or of the scene, or all bones. The eye of an effect turns it off.
     void toggle(const QModelIndex& index);
     /// Says everything again, in the present language.
     void retranslate();

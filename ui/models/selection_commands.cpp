@@ -4,6 +4,7 @@
 #include <QCoreApplication>
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <set>
 
 #include "core/document/character_input.h"
@@ -17,12 +18,35 @@ namespace imomushi {
 
 using Kind = SelectionItem::Kind;
 
-void selectAllElements(StudioDocument& document) {
+namespace {
+
+/// Everything of the kind of what was selected last: bones, joint faces, cuts, or elements.
+std::vector<SelectionItem> allAlike(const StudioDocument& document) {
+    const Document& d = document.document();
+    Kind kind = document.selection().empty() ? Kind::Element : document.selection().back().kind;
+    if (kind == Kind::Endpoint) kind = Kind::Bone;
     std::vector<SelectionItem> items;
-    for (const auto& [id, element] : document.document().elements)
-        if (element->visible && !element->locked) items.push_back({Kind::Element, id, {}, false});
-    document.select(std::move(items));
+    const auto add = [&](const auto& part, SelectionItem item) {
+        if (shown(part).picked()) items.push_back(std::move(item));
+    };
+    if (kind == Kind::Bone) {
+        for (const auto& [id, bone] : d.bones) add(*bone, {kind, id, {}, false});
+    } else if (kind == Kind::Cut) {
+        for (const auto& [id, character] : d.characters)
+            for (const Cut& cut : character->cuts) add(cut, {kind, cut.id, {}, false});
+    } else {
+        for (const auto& [id, element] : d.elements) {
+            if (kind != Kind::Face) add(*element, {Kind::Element, id, {}, false});
+            else if (shown(*element).picked())
+                for (const JointFace& face : element->faces) add(face, {kind, id, face.name, false});
+        }
+    }
+    return items;
 }
+
+}  // namespace
+
+void selectAll(StudioDocument& document) { document.select(allAlike(document)); }
 
 namespace {
 
@@ -43,18 +67,9 @@ void selectBones(StudioDocument& document, const std::set<PartId>& bones) {
 }  // namespace
 
 void invertSelection(StudioDocument& document) {
-    const Document& d = document.document();
-    if (const std::set<PartId> selected = bonesSelected(document); !selected.empty()) {
-        std::set<PartId> others;
-        for (const auto& [id, bone] : d.bones)
-            if (!selected.contains(id) && shown(*bone).picked()) others.insert(id);
-        return selectBones(document, others);
-    }
-    std::vector<SelectionItem> items;
-    for (const auto& [id, element] : d.elements) {
-        const SelectionItem item{Kind::Element, id, {}, false};
-        if (element->visible && !element->locked && !document.isSelected(item)) items.push_back(item);
-    }
+    std::vector<SelectionItem> items = allAlike(document);
+    const std::set<PartId> bones = bonesSelected(document);
+    std::erase_if(items, [&](const SelectionItem& item) { return item.kind == Kind::Bone ? bones.contains(item.part) : document.isSelected(item); });
     document.select(std::move(items));
 }
 
@@ -86,17 +101,60 @@ void selectChain(StudioDocument& document) {
     if (!bones.empty()) selectBones(document, bones);
 }
 
-void hideSelected(StudioDocument& document) {
+namespace {
+
+/// Each part that is selected, an end as its bone, a character as its elements.
+std::vector<SelectionItem> partsSelected(const StudioDocument& document) {
     const Document& d = document.document();
-    std::set<std::string> names;
-    for (SelectionItem item : document.selection()) {
-        if (item.kind == Kind::Endpoint) item.kind = Kind::Bone;
-        if (shownOf(d, item).visible) names.insert(pathOf(d, item));
-        if (item.kind == Kind::Character)
-            for (const PartId id : d.elementsOf(item.part)) names.insert(d.elements.at(id)->name);
+    std::vector<SelectionItem> parts;
+    const auto add = [&](const SelectionItem& item) {
+        if (!pathOf(d, item).empty() && std::ranges::find(parts, item) == parts.end()) parts.push_back(item);
+    };
+    for (const SelectionItem& item : document.selection()) {
+        if (item.kind == Kind::Endpoint) add({Kind::Bone, item.part, {}, false});
+        else if (item.kind != Kind::Character) add(item);
+        else
+            for (const PartId id : d.elementsOf(item.part)) add({Kind::Element, id, {}, false});
     }
+    return parts;
+}
+
+}  // namespace
+
+bool canHide(const StudioDocument& document) { return !partsSelected(document).empty(); }
+
+void hideSelected(StudioDocument& document) {
     std::vector<Json> wanted;
-    for (const std::string& name : names) wanted.push_back(commands::set(name, commands::kVisible, false));
+    for (const SelectionItem& item : partsSelected(document))
+        if (shownOf(document.document(), item).visible) wanted.push_back(commands::set(pathOf(document.document(), item), commands::kVisible, false));
+    executeTogether(document, wanted);
+}
+
+void lockSelected(StudioDocument& document) {
+    const auto parts = partsSelected(document);
+    const bool unlocks = std::ranges::all_of(parts, [&](const SelectionItem& item) { return shownOf(document.document(), item).locked; });
+    std::vector<Json> wanted;
+    for (const SelectionItem& item : parts)
+        if (shownOf(document.document(), item).locked == unlocks) wanted.push_back(commands::set(pathOf(document.document(), item), commands::kLocked, !unlocks));
+    executeTogether(document, wanted);
+}
+
+void isolateSelected(StudioDocument& document) {
+    const Document& d = document.document();
+    std::set<PartId> elements, bones;
+    for (const SelectionItem& item : partsSelected(document)) {
+        if (item.kind == Kind::Bone) bones.insert(item.part);
+        else if (item.kind != Kind::Cut) elements.insert(item.part);
+        else if (const CharacterSource* character = characterOf(d, item)) std::ranges::copy(d.elementsOf(character->id), std::inserter(elements, elements.end()));
+    }
+    if (elements.empty() && bones.empty()) return;
+    std::vector<Json> wanted;
+    const auto show = [&](const auto& part, bool visible) {
+        if (part.visible != visible) wanted.push_back(commands::set(part.name, commands::kVisible, visible));
+    };
+    if (!elements.empty())
+        for (const auto& [id, element] : d.elements) show(*element, elements.contains(id));
+    for (const auto& [id, bone] : d.bones) show(*bone, bones.contains(id) || elements.contains(bone->element));
     executeTogether(document, wanted);
 }
 

@@ -9,10 +9,10 @@
 
 namespace imomushi {
 
-/// All elements that are visible and not locked.
-void selectAllElements(StudioDocument& document);
+/// All of the kind that is selected (bones, joint faces, cuts; else elements) that are visible and not locked.
+void selectAll(StudioDocument& document);
 
-/// What is not selected, of what is: bones where bones are, else elements; visible and not locked.
+/// What is not selected, of the kind that is; visible and not locked.
 void invertSelection(StudioDocument& document);
 /// Adds what is next to it: bones that meet the selected ones, elements that are joined to them.
 void growSelection(StudioDocument& document);
@@ -21,6 +21,11 @@ void selectChain(StudioDocument& document);
 
 /// What artists do with what is selected; each is one undo step.
 void hideSelected(StudioDocument& document);
+/// Hides all elements and bones but those that are selected or belong to what is; of bones alone, only other bones.
+void isolateSelected(StudioDocument& document);
+/// Locks what is selected; unlocks it where all of it is locked.
+void lockSelected(StudioDocument& document);
+[[nodiscard]] bool canHide(const StudioDocument& document);
 void showAll(StudioDocument& document);
 /// Copies elements, characters and bones, and selects the copies. False: refused.
 bool duplicateSelected(StudioDocument& document);

@@ -8,7 +8,9 @@
 #include <QSortFilterProxyModel>
 #include <QTreeView>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <functional>
+#include <iterator>
 
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
@@ -61,9 +63,11 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
         filter_->setFilterFixedString(text);
         tree_->expandAll();
-        spanRows();
-    });
+        });
     connect(tree_, &QTreeView::clicked, this, [this](const QModelIndex& index) { model_->toggle(filter_->mapToSource(index)); });
+    connect(tree_, &QTreeView::activated, this, [this](const QModelIndex& index) {
+        if (const auto effect = model_->effect(filter_->mapToSource(index))) Q_EMIT effectWanted(*effect);
+    });
     connect(tree_, &QTreeView::customContextMenuRequested, this, [this](const QPoint& at) { Q_EMIT contextMenuWanted(tree_->viewport()->mapToGlobal(at)); });
     connect(tree_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &OutlinerPanel::takeSelection);
     connect(model_, &QAbstractItemModel::modelAboutToBeReset, this, [this] {
@@ -128,15 +132,6 @@ void OutlinerPanel::restoreExpansion() {
         const QModelIndex shown = filter_->mapFromSource(index);
         if (shown.isValid()) tree_->setExpanded(shown, !collapsed_.contains(keyOf(*model_, index)));
     });
-    spanRows();
-}
-
-void OutlinerPanel::spanRows() {
-    // Elements and what holds them have signs behind their names; the others use the whole width.
-    visit(*filter_, {}, [this](const QModelIndex& index) {
-        const auto kind = OutlinerModel::Kind(index.data(OutlinerModel::KindRole).toInt());
-        tree_->setFirstColumnSpanned(index.row(), index.parent(), kind != OutlinerModel::Kind::Element && kind != OutlinerModel::Kind::Whole && kind != OutlinerModel::Kind::Character);
-    });
 }
 
 void OutlinerPanel::takeSelection() {
@@ -144,7 +139,7 @@ void OutlinerPanel::takeSelection() {
     syncing_ = true;
     std::vector<SelectionItem> items;
     for (const QModelIndex& row : tree_->selectionModel()->selectedRows())
-        if (auto item = model_->item(filter_->mapToSource(row))) items.push_back(std::move(*item));
+        std::ranges::move(model_->items(filter_->mapToSource(row)), std::back_inserter(items));
     document_.select(std::move(items));
     syncing_ = false;
 }

@@ -23,6 +23,7 @@ public:
 
 signals:
     void contextMenuWanted(const QPoint& global);
+    void effectWanted(imomushi::EffectKind effect);  ///< its row was double-clicked, or Enter was pressed there
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -33,7 +34,6 @@ private:
     void showSelection();
     void rememberExpansion();
     void restoreExpansion();
-    void spanRows();
     void sizeColumns();
 
     StudioDocument& document_;

@@ -5,11 +5,14 @@
 #include <QLocale>
 #include <QPainter>
 #include <algorithm>
+#include <cmath>
 
 #include "ui/models/studio_document.h"
 #include "ui/models/take_deck.h"
 #include "ui/models/texts.h"
+#include "ui/viewport/axis_ball.h"
 #include "ui/viewport/viewport_widget.h"
+#include "ui/widgets/appearance.h"
 
 namespace imomushi {
 namespace {
@@ -64,23 +67,26 @@ void ViewOverlay::paintTake(QPainter& painter, StudioDocument& document) const {
     painter.drawRect(QRectF({}, QSizeF(size)).adjusted(frame / 2.0, frame / 2.0, -frame / 2.0, -frame / 2.0));
 }
 
+// Beside the ball of axes; a long text goes on below.
 void ViewOverlay::paintPill(QPainter& painter, const QString& text, bool recording) const {
     const QFontMetricsF metrics(painter.font());
-    const double high = metrics.height() * 1.7, dot = metrics.ascent() * 0.6, wide = metrics.horizontalAdvance(text) + (recording ? dot + high * 0.4 : 0.0) + high;
-    const QRectF pill((size.width() - wide) / 2.0, high * 0.6, wide, high);
+    const double row = metrics.height() * 1.7, dot = recording ? metrics.ascent() * 0.6 : 0.0, aside = recording ? dot + row * 0.4 : 0.0;
+    const double right = AxisBall::area(size.width(), Appearance::instance().scale()).left() - 0.6 * row, left = 0.6 * row;
+    const QRectF words = metrics.boundingRect(QRectF(0.0, 0.0, std::max(row, right - left - row - aside), 100.0 * row), Qt::TextWordWrap, text);
+    const double wide = std::ceil(words.width()) + aside + row, high = words.height() + row - metrics.height();
+    const QRectF pill(std::max(0.0, std::min((size.width() - wide) / 2.0, right - wide)), row * 0.6, wide, high);
     painter.setRenderHint(QPainter::Antialiasing);
     painter.setPen(Qt::NoPen);
     painter.setBrush(recording ? QColor(kRecordRed) : dark ? QColor(20, 22, 26, 190) : QColor(255, 255, 255, 210));
-    painter.drawRoundedRect(pill, high / 2.0, high / 2.0);
+    painter.drawRoundedRect(pill, row / 2.0, row / 2.0);
     const QColor ink = recording || dark ? Qt::white : QColor(31, 36, 33);
-    QRectF line = pill.adjusted(high / 2.0, 0.0, -high / 2.0, 0.0);
+    const QRectF line = pill.adjusted(row / 2.0 + aside, 0.0, -row / 2.0, 0.0);
     if (recording) {
         painter.setBrush(ink);
-        painter.drawEllipse(QRectF(line.left(), pill.center().y() - dot / 2.0, dot, dot));
-        line.setLeft(line.left() + dot + high * 0.4);
+        painter.drawEllipse(QRectF(line.left() - aside, pill.center().y() - dot / 2.0, dot, dot));
     }
     painter.setPen(ink);
-    painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter, text);
+    painter.drawText(line.adjusted(0.0, 0.0, 1.0, 0.0), Qt::AlignLeft | Qt::AlignVCenter | Qt::TextWordWrap, text);
 }
 
 // In the middle and large, where nobody overlooks it.

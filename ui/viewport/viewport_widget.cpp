@@ -17,6 +17,7 @@
 #include "ui/tools/picking.h"
 #include "ui/viewport/limit_words.h"
 #include "ui/viewport/view_overlay.h"
+#include "ui/viewport/view_words.h"
 #include "ui/widgets/appearance.h"
 
 namespace imomushi {
@@ -69,7 +70,10 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
         redraw();
         updateHint();
     });
-    connect(&document_, &StudioDocument::hoverChanged, this, &ViewportWidget::redraw);
+    connect(&document_, &StudioDocument::hoverChanged, this, [this] {
+        redraw();
+        updateHint();
+    });
     still_.setSingleShot(true);
     still_.setInterval(kStillMs);
     connect(&still_, &QTimer::timeout, this, [this] {
@@ -119,6 +123,7 @@ QString ViewportWidget::overlapped() const {
 }
 
 void ViewportWidget::updateHint() {
+    if (const QString words = viewWords(document_); words != accessibleDescription()) setAccessibleDescription(words);
     QString now = hint();
     if (now == hint_) return;
     hint_ = std::move(now);

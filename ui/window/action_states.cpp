@@ -72,7 +72,7 @@ void ActionStates::update() {
     a.allow("make-soft-bones", soften && rigged, soften ? noBones : notSoft);
     a.allow("import-skeleton", character && idle, character ? working : noCharacter);
     a.allow("import-clips", character && idle && rigged, !character ? noCharacter : !idle ? working : noBones);
-    a.allow("hide", canMirror(document_), nothing);
+    for (const char* id : {"hide", "isolate", "lock"}) a.allow(id, canHide(document_), nothing);
     a.allow("edit-face", selection.size() == 1 && count(Kind::Face) == 1 && !handleOf(d, selection.front()), tr("Select one joint face first."));
     a.allow("join", count(Kind::Face) == 2, tr("Select two joint faces: click one, then Shift+click the other."));
     const bool handles = std::any_of(selection.begin(), selection.end(), [&](const SelectionItem& i) { return handleOf(d, i) != nullptr; });

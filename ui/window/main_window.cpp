@@ -353,6 +353,7 @@ void MainWindow::connectPanels() {
     connect(&docks_->poses(), &PosesPanel::seen, posePictures_, &PosePictures::setWanted);
     connect(posePictures_, &PosePictures::drawn, &docks_->poses(), &PosesPanel::setPicture);
     connect(&outliner(), &OutlinerPanel::contextMenuWanted, menus_, &StudioMenus::popUpContextMenu);
+    connect(&outliner(), &OutlinerPanel::effectWanted, this, &MainWindow::showEffect);
     connect(&inspector(), &InspectorPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(&effects(), &EffectsPanel::precomputeWanted, this, &MainWindow::startPrecompute);
     connect(status_, &StatusStrip::precomputeWanted, this, &MainWindow::startPrecompute);

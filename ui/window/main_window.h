@@ -148,6 +148,7 @@ private:
     void openPreferences(const QString& setting = {});
     /// Takes a picture of what is seen, into a file.
     void savePicture();
+    void showEffect(EffectKind effect);
     /// All that F3 finds: main_window_search.cpp.
     std::vector<Findable> findables();
 

@@ -119,7 +119,7 @@ void MainWindow::connectEditActions() {
         StudioDocks::raise(outliner());
         outliner().renameSelected();
     });
-    on("select-all", [this] { selectAllElements(document_); });
+    on("select-all", [this] { selectAll(document_); });
     on("select-none", [this] { document_.select({}); });
     on("select-invert", [this] { invertSelection(document_); });
     on("select-more", [this] { growSelection(document_); });
@@ -183,6 +183,8 @@ void MainWindow::connectEditActions() {
     onSettled("release", [this] { document_.execute(commands::releaseAll()); });
     onSettled("rest", [this] { document_.execute(commands::rest()); });
     onSettled("hide", [this] { hideSelected(document_); });
+    onSettled("isolate", [this] { isolateSelected(document_); });
+    onSettled("lock", [this] { lockSelected(document_); });
     onSettled("show-all", [this] { showAll(document_); });
 }
 

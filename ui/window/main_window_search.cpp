@@ -19,6 +19,11 @@
 
 namespace imomushi {
 
+void MainWindow::showEffect(EffectKind effect) {
+    StudioDocks::raise(effects());
+    effects().reveal(effect);
+}
+
 std::vector<Findable> MainWindow::findables() {
     std::vector<Findable> all;
     const auto text = [](const std::string& name) { return QString::fromStdString(name); };
@@ -31,10 +36,7 @@ std::vector<Findable> MainWindow::findables() {
     for (QDockWidget* dock : docks_->all()) add("appearance", dock->windowTitle(), tr("Panel"), [dock] { StudioDocks::raise(*dock); });
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto effect = EffectKind(k);
-        const auto reveal = [this, effect] {
-            StudioDocks::raise(effects());
-            effects().reveal(effect);
-        };
+        const auto reveal = [this, effect] { showEffect(effect); };
         add("spring", effectTitle(effect), tr("Effect"), reveal);
         for (const EffectProperty& property : effectProperties(effect)) add("settings", effectPropertyTitle(property), tr("Setting of “%1”", "an effect").arg(effectTitle(effect)), reveal);
     }

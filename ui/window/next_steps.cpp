@@ -14,6 +14,7 @@
 #include "core/commands/proposal_commands.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/studio_document.h"
+#include "ui/viewport/axis_ball.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 
@@ -99,8 +100,8 @@ void NextSteps::rebuild() {
     const Document& d = document_.document();
     const bool begin = shown_.step == Step::Begin;
     content_ = new QWidget(this);
-    auto* text = new QLabel(content_);
-    auto* buttons = new QHBoxLayout;
+    auto* text = text_ = new QLabel(content_);
+    auto* buttons = buttons_ = new QHBoxLayout;
     buttons->setSpacing(px(8));
     const auto button = [&](const char* name, const QString& label, const char* icon, bool primary) {
         auto* b = new QPushButton(themedIcon(QLatin1String(icon), primary ? Appearance::Role::OnAccent : Appearance::Role::Text), label, content_);
@@ -149,6 +150,7 @@ void NextSteps::rebuild() {
     text->setText(title);
     setAccessibleName(title);
     auto* outer = begin ? static_cast<QBoxLayout*>(new QVBoxLayout(content_)) : new QHBoxLayout(content_);
+    words_ = nullptr;
     outer->setContentsMargins(px(begin ? 36 : 16), px(begin ? 30 : 9), px(begin ? 36 : 8), px(begin ? 32 : 9));
     outer->setSpacing(px(begin ? 14 : 16));
     if (begin) {
@@ -164,8 +166,12 @@ void NextSteps::rebuild() {
         outer->addSpacing(px(4));
         outer->addLayout(buttons);
     } else {
-        outer->addWidget(text);
-        outer->addLayout(buttons);
+        words_ = new QBoxLayout(QBoxLayout::LeftToRight);
+        words_->setSpacing(px(8));
+        words_->addWidget(text);
+        words_->addSpacing(px(8));
+        words_->addLayout(buttons);
+        outer->addLayout(words_);
         auto* close = new QToolButton(content_);
         close->setProperty("small", true);
         close->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
@@ -175,7 +181,7 @@ void NextSteps::rebuild() {
             closed_.insert(shown_.subject);
             follow();
         });
-        outer->addWidget(close);
+        outer->addWidget(close, 0, Qt::AlignTop);
     }
     content_->show();
     place();
@@ -183,12 +189,25 @@ void NextSteps::rebuild() {
 
 void NextSteps::place() {
     if (!content_) return;
+    QSize room = view_->size() - QSize(2 * px(kMargin), 2 * px(kMargin));
+    // Beside the ball of axes; words go over the buttons where a row has no room, and buttons over each other where that is not enough.
+    if (words_) {
+        room.setWidth(static_cast<int>(AxisBall::area(view_->width(), Appearance::instance().scale()).left()) - 2 * px(kMargin));
+        const auto arrange = [&](QBoxLayout::Direction words, QBoxLayout::Direction buttons) {
+            words_->setDirection(words);
+            buttons_->setDirection(buttons);
+            text_->setWordWrap(buttons == QBoxLayout::TopToBottom);
+            return content_->sizeHint().width() <= room.width();
+        };
+        using enum QBoxLayout::Direction;
+        (void)(arrange(LeftToRight, LeftToRight) || arrange(TopToBottom, LeftToRight) || arrange(TopToBottom, TopToBottom));
+    }
     content_->layout()->activate();
-    const QSize wish = content_->sizeHint(), room = view_->size() - QSize(2 * px(kMargin), 2 * px(kMargin));
-    const QSize size(std::min(wish.width(), room.width()), std::min(wish.height(), room.height()));
+    QSize size = content_->sizeHint().boundedTo(room);
+    if (content_->layout()->hasHeightForWidth()) size.setHeight(std::min(room.height(), content_->layout()->totalHeightForWidth(size.width())));
     content_->setGeometry(QRect({}, size));
-    const int top = shown_.step == Step::Begin ? (view_->height() - size.height()) / 2 : px(kMargin);
-    setGeometry((view_->width() - size.width()) / 2, top, size.width(), size.height());
+    const int left = std::min((view_->width() - size.width()) / 2, px(kMargin) + room.width() - size.width());
+    setGeometry(left, words_ ? px(kMargin) : (view_->height() - size.height()) / 2, size.width(), size.height());
     raise();
 }
 

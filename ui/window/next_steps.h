@@ -8,6 +8,8 @@
 
 #include "core/document/document.h"
 
+class QBoxLayout;
+class QLabel;
 class QMenu;
 
 namespace imomushi {
@@ -54,6 +56,9 @@ private:
     QMenu* samples_;
     QWidget* view_;
     QWidget* content_ = nullptr;
+    QLabel* text_ = nullptr;
+    QBoxLayout* buttons_ = nullptr;
+    QBoxLayout* words_ = nullptr;   // and the buttons, of a step that goes on; null: of the first one
     Wanted shown_;
     std::string name_;              // of the subject, and the keys of its actions, as shown
     QString keys_;

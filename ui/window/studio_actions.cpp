@@ -121,6 +121,8 @@ constexpr Row kRows[] = {
     {"count-in", "count-in", QT_TRANSLATE_NOOP("Actions", "&Count three seconds before recording"), "", true},
     {"leave-take", "live", QT_TRANSLATE_NOOP("Actions", "L&eave the take"), "Shift+Space"},
     {"hide", "eye-off", QT_TRANSLATE_NOOP("Actions", "&Hide what is selected"), "H"},
+    {"isolate", "", QT_TRANSLATE_NOOP("Actions", "Sho&w only what is selected"), "Shift+H"},
+    {"lock", "lock", QT_TRANSLATE_NOOP("Actions", "&Lock or unlock what is selected"), "Ctrl+L"},
     {"show-all", "eye", QT_TRANSLATE_NOOP("Actions", "&Show everything"), "Alt+H"},
     {"frame-all", "frame", QT_TRANSLATE_NOOP("Actions", "Frame &all"), "Home"},
     {"frame-selection", "", QT_TRANSLATE_NOOP("Actions", "&Frame the selection"), "F"},

@@ -61,7 +61,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
-    fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "show-all", ""});
+    fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "isolate", "lock", "show-all", ""});
     QMenu* panels = addMenu(view, QT_TR_NOOP("&Panels"));
     panels->addActions(docks.actions());
     connect(panels, &QMenu::aboutToShow, &docks, &StudioDocks::followActions);
@@ -132,7 +132,8 @@ void StudioMenus::wrapTools() {
 void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
     menu.installEventFilter(this);
-    fill(menu, {"cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "", "hide", "show-all", "frame-selection"});
+    fill(menu, {"cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "edit-face", "", "hide", "isolate", "lock", "show-all", "frame-selection"});
+    fill(*menu.addMenu(tr("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle"});
     menu.exec(global);
 }
 
