@@ -6034,8 +6034,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>記録</translation>
         </message>
         <message>
-            <source>No takes yet. Press Record, then move the character with the drag tool: everything you see is kept, until you press it again.</source>
-            <translation>まだテイクがありません。「記録」を押し、ドラッグツールでキャラクターを動かしてください。もう一度押すまで、見えたものがすべて残ります。</translation>
+            <source>No takes yet. Press Record and drag the character: all that you see is kept, until you press it again.</source>
+            <translation>まだテイクがありません。「記録」を押してキャラクターをドラッグすると、もう一度押すまで、見えたものがすべて残ります。</translation>
         </message>
         <message>
             <source>What you perform is recorded here. Open a sample or import a mesh first.</source>

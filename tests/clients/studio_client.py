@@ -253,13 +253,13 @@ def start_screen(size):
     return server, ":" + number
 
 
-def in_studio(program, folder, session, check, size="800x600", before=None, settings=""):
-    """session(studio, folder) in a studio on a screen of `size`, then check(program, folder). `before`: is called with the display before the studio starts. `settings`: of the studio, as its file has them."""
-    screen, display = start_screen(size)
+def in_studio(program, folder, session, check, size="800x600", settings="", display=""):
+    """session(studio, folder) in a studio on a screen of `size`, or on a display that is there, then check(program, folder). `settings`: of the studio, as its file has them."""
+    screen = None
+    if not display:
+        screen, display = start_screen(size)
     try:
         os.environ["DISPLAY"] = display
-        if before:
-            before(display)
         studio = Studio(program, folder, display, settings)
         try:
             session(studio, folder)
@@ -267,5 +267,6 @@ def in_studio(program, folder, session, check, size="800x600", before=None, sett
         finally:
             studio.process.kill()
     finally:
-        screen.terminate()
-        screen.wait()
+        if screen:
+            screen.terminate()
+            screen.wait()

@@ -5,6 +5,7 @@
 #include <QDockWidget>
 #include <QFileInfo>
 #include <QFontMetrics>
+#include <QScrollBar>
 #include <QSettings>
 #include <QToolBar>
 
@@ -136,6 +137,8 @@ TEST_CASE("studio: at 1280 x 720 what comes next is said in whole words beside t
             CHECK_MESSAGE(QTest::qWaitFor([&] { return cutOff(*next) == ""; }), cutOff(*next));
             CHECK(!AxisBall::area(w.view().width(), scale).intersects(next->geometry()));
             CHECK(w.view().rect().contains(next->geometry()));
+            // Nor is what stands where takes will be wider than there is room.
+            for (const auto* bar : w.window().findChild<QDockWidget*>(QStringLiteral("takesDock"))->findChildren<QScrollBar*>()) CHECK((bar->orientation() == Qt::Vertical || !bar->isVisible()));
             w.shoot("next-small");
         }
 }
@@ -170,6 +173,11 @@ TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen
             CHECK_MESSAGE(QTest::qWaitFor([&] { return hidden() == ""; }), hidden());
             w.shoot("takes-narrow");
             CHECK(panel.bar()->width() >= px(160));
+            w.trigger("record");
+            w.settle();
+            CHECK_MESSAGE(QTest::qWaitFor([&] { return hidden() == ""; }), "recording: ", hidden());
+            w.trigger("record");
+            w.trigger("undo");
         }
     Appearance::instance().setScale(1.0);
     Appearance::instance().setLanguage(QStringLiteral("en"));

@@ -23,6 +23,11 @@
 #include "ui/widgets/wrapping_layout.h"
 
 namespace imomushi {
+namespace {
+
+constexpr int kNarrow = 480;  // a panel with less has no room for the key on the button
+
+}  // namespace
 
 TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& actions, QWidget* parent)
     : QWidget(parent), document_(document), deck_(deck), actions_(actions) {
@@ -128,7 +133,7 @@ TakesPanel::TakesPanel(StudioDocument& document, TakeDeck& deck, ActionSet& acti
 void TakesPanel::takeSizes() {
     record_->setIconSize(QSize(px(24), px(16)));
     empty_->setContentsMargins(0, px(8), 0, 0);
-    empty_->setMinimumWidth(px(190));
+    empty_->setMinimumWidth(px(120));
     shareWidth();
     list_->setMinimumHeight(px(36));
     for (auto* b : buttons_) b->setIconSize(QSize(px(20), px(20)));
@@ -147,6 +152,7 @@ void TakesPanel::shareWidth() {
 
 void TakesPanel::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
+    dressRecord();
     shareWidth();
     askForHeight();
 }
@@ -169,7 +175,7 @@ void TakesPanel::askForHeight() {
 /// Red says what it does; the words and the sign on it say it too.
 void TakesPanel::dressRecord() {
     const bool recording = deck_.recording();
-    const int look = recording ? -1 : deck_.counting();
+    const std::pair look(recording ? -1 : deck_.counting(), width() < px(kNarrow));
     if (dressed_ == look) return;
     dressed_ = look;
     const QColor red(kRecordRed), panel = themeColor(Appearance::Role::Panel);
@@ -197,7 +203,7 @@ void TakesPanel::dressRecord() {
     record_->setIcon(QIcon(sign));
     const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
     const QString text = recording ? tr("Stop recording") : deck_.counting() ? tr("Starts in %1 s – stop", "a recording").arg(deck_.counting()) : tr("Record");
-    record_->setText(keys.isEmpty() ? text : QStringLiteral("%1  (%2)").arg(text, keys));
+    record_->setText(keys.isEmpty() || look.second ? text : QStringLiteral("%1  (%2)").arg(text, keys));
     record_->setAccessibleName(text);
 }
 
@@ -216,7 +222,7 @@ void TakesPanel::follow() {
     bar_->setVisible(any);
     showClips();
     if (!any)
-        empty_->setText(deck_.canRecord() ? tr("No takes yet. Press Record, then move the character with the drag tool: everything you see is kept, until you press it again.")
+        empty_->setText(deck_.canRecord() ? tr("No takes yet. Press Record and drag the character: all that you see is kept, until you press it again.")
                                           : tr("What you perform is recorded here. Open a sample or import a mesh first."));
 
     const QModelIndex row = take ? model_->indexOf(take->id) : QModelIndex();

@@ -3,6 +3,7 @@
 
 #include <QWidget>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "ui/models/take_deck.h"
@@ -69,7 +70,7 @@ private:
     TimeBar* bar_;
     std::shared_ptr<const Take> barTake_;
     bool following_ = false;
-    std::optional<int> dressed_;  // what the button for recording looks like: -1 recording, else seconds of the count
+    std::optional<std::pair<int, bool>> dressed_;  // what the button for recording looks like: -1 recording, else seconds of the count; without its key
 };
 
 }  // namespace imomushi

@@ -22,6 +22,7 @@ namespace imomushi {
 namespace {
 
 constexpr int kMargin = 16;  // to the edges of the view
+constexpr const char *kWithKey = "withKey", *kWithoutKey = "withoutKey";  // properties of buttons: their texts
 constexpr const char* kActions[] = {"import", "open", "make-soft", "tool-handle", "tool-face", "tool-bone"};  // whose keys are told
 
 /// A text with the key that does the same.
@@ -105,6 +106,7 @@ void NextSteps::rebuild() {
     buttons->setSpacing(px(8));
     const auto button = [&](const char* name, const QString& label, const char* icon, bool primary) {
         auto* b = new QPushButton(themedIcon(QLatin1String(icon), primary ? Appearance::Role::OnAccent : Appearance::Role::Text), label, content_);
+        b->setProperty(kWithKey, label);
         b->setObjectName(QLatin1String(name));
         b->setIconSize(QSize(px(18), px(18)));
         b->setProperty("primary", primary);
@@ -113,11 +115,15 @@ void NextSteps::rebuild() {
     };
     const auto trigger = [&](const char* name, const QString& label, const char* icon, const char* action, bool primary) {
         QAction* a = actions_[action];
-        connect(button(name, withKey(label, *a), icon, primary), &QPushButton::clicked, a, &QAction::trigger);
+        auto* b = button(name, withKey(label, *a), icon, primary);
+        b->setProperty(kWithoutKey, label);
+        connect(b, &QPushButton::clicked, a, &QAction::trigger);
     };
     QString title;
     const auto soft = [&](bool primary) {
-        connect(button("nextSoft", withKey(tr("Make it soft"), *actions_["make-soft"]), "soft", primary), &QPushButton::clicked, this, [this, id = shown_.subject] { Q_EMIT makeSoftWanted(id); });
+        auto* b = button("nextSoft", withKey(tr("Make it soft"), *actions_["make-soft"]), "soft", primary);
+        b->setProperty(kWithoutKey, tr("Make it soft"));
+        connect(b, &QPushButton::clicked, this, [this, id = shown_.subject] { Q_EMIT makeSoftWanted(id); });
     };
     switch (shown_.step) {
         case Step::Begin:
@@ -190,17 +196,18 @@ void NextSteps::rebuild() {
 void NextSteps::place() {
     if (!content_) return;
     QSize room = view_->size() - QSize(2 * px(kMargin), 2 * px(kMargin));
-    // Beside the ball of axes; words go over the buttons where a row has no room, and buttons over each other where that is not enough.
+    // Beside the ball of axes; words go over the buttons where a row has no room, and buttons over each other, at last without their keys, where that is not enough.
     if (words_) {
         room.setWidth(static_cast<int>(AxisBall::area(view_->width(), Appearance::instance().scale()).left()) - 2 * px(kMargin));
-        const auto arrange = [&](QBoxLayout::Direction words, QBoxLayout::Direction buttons) {
+        const auto arrange = [&](QBoxLayout::Direction words, QBoxLayout::Direction buttons, const char* label) {
+            for (auto* b : content_->findChildren<QPushButton*>()) b->setText(b->property(label).toString());
             words_->setDirection(words);
             buttons_->setDirection(buttons);
             text_->setWordWrap(buttons == QBoxLayout::TopToBottom);
             return content_->sizeHint().width() <= room.width();
         };
         using enum QBoxLayout::Direction;
-        (void)(arrange(LeftToRight, LeftToRight) || arrange(TopToBottom, LeftToRight) || arrange(TopToBottom, TopToBottom));
+        (void)(arrange(LeftToRight, LeftToRight, kWithKey) || arrange(TopToBottom, LeftToRight, kWithKey) || arrange(TopToBottom, TopToBottom, kWithKey) || arrange(TopToBottom, TopToBottom, kWithoutKey));
     }
     content_->layout()->activate();
     QSize size = content_->sizeHint().boundedTo(room);

@@ -11,6 +11,7 @@
 
 #include "ui/models/paths.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/elided_label.h"
 #include "ui/widgets/layouts.h"
 
 namespace imomushi {
@@ -43,7 +44,7 @@ std::string InspectorForm::path(const SelectionItem& item) const { return pathOf
 void InspectorForm::addHeading(const QString& icon, const Say& title, const QString& kind) {
     auto* picture = new QLabel(this);
     picture->setPixmap(themedIcon(icon, Appearance::Role::Accent).pixmap(QSize(px(22), px(22)), devicePixelRatioF()));
-    auto* text = styled(new QLabel(this), "title");
+    auto* text = styled(new ElidedLabel(this), "title");
     text->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     auto* what = styled(new QLabel(kind, this), "muted");
     sections_->addLayout(fill(new QHBoxLayout, Spacing{px(10)}, picture, Share{text, 1}, what));
