@@ -220,14 +220,15 @@ int main(int argc, char** argv) {
     measure("redo", [&] { window.actions()["redo"]->trigger(); });
     // The arrow of the gizmo is 60 pixels to the right of what is selected, where the view is seen from the front.
     int tooSlow = 0;
-    const auto dragGizmo = [&](const char* name, ToolKind tool) {
+    const auto dragGizmo = [&](const char* name, ToolKind tool, const std::vector<SelectionItem>& items = {}) {
         view.tools().setTool(tool);
         execute({{"do", "rest"}});
         view.setViewAxis(ViewAxis::Front);
         QTest::qWait(kViewMs);
-        document.select({{SelectionItem::Kind::Endpoint, document.document().boneNamed(last)->id, {}, true}});
+        document.select(items.empty() ? std::vector<SelectionItem>{{SelectionItem::Kind::Endpoint, document.document().boneNamed(last)->id, {}, true}} : items);
         settle();
-        at = end() + QPoint(int(60 * Appearance::instance().scale()), 0);
+        const QPoint middle = items.empty() ? end() : view.onScreen(Vec3(0.0, 0.0, 0.5 * elements)).value_or(QPointF()).toPoint();  // all hang together
+        at = middle + QPoint(int(60 * Appearance::instance().scale()), 0);
         send(QEvent::MouseMove, at, Qt::NoButton, Qt::NoButton);
         send(QEvent::MouseButtonPress, at, Qt::LeftButton, Qt::LeftButton);
         const bool busy = view.tools().busy();
@@ -243,6 +244,7 @@ int main(int argc, char** argv) {
     dragGizmo("drag it with the magnet", ToolKind::Select);
     window.actions()["snap"]->trigger();
     dragGizmo("drag the gizmo at rest", ToolKind::Bone);
+    dragGizmo("drag all elements", ToolKind::Select, {{SelectionItem::Kind::Element, document.document().elements.begin()->first, {}, false}});
     view.tools().setTool(ToolKind::Select);
     measure("select all", [&] { window.actions()["select-all"]->trigger(); });
     measure("select none", [&] { window.actions()["select-none"]->trigger(); });

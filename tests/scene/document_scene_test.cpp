@@ -161,6 +161,36 @@ TEST_CASE("hidden bones and joint faces are not drawn; an end is as long as a bo
     CHECK(count(scene, Marker::Shape::FaceOutline) == 2);
 }
 
+TEST_CASE("a joint face that is selected shows its frame where it is: its third axis points out of the element, and turns with it") {
+    Workbench bench;
+    bench.buildChain();
+    bench.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.4, 0.3, 5.5}}});
+    DocumentScene view;
+    render::Scene scene;
+    SceneOptions options;
+    options.faces = true;
+    const Element& element = *bench.session.document().elementNamed("B");
+    const int face = element.faceIndex("out");
+    const std::vector<std::uint64_t> selected{sceneId({ScenePart::Kind::Face, element.id, face, false})};
+    view.update(bench.session, options, scene);
+    CHECK(count(scene, Marker::Shape::Axis) == 0);
+    options.selected = selected;
+    view.update(bench.session, options, scene);
+    REQUIRE(count(scene, Marker::Shape::Axis) == 3);
+    std::vector<Vec3> axes;
+    Vec3 at = Vec3::Zero();
+    for (const Marker& marker : scene.markers)
+        if (marker.shape == Marker::Shape::Axis) axes.push_back((marker.to - marker.from).normalized()), at = marker.from;
+    const JointFace& of = element.faces[static_cast<std::size_t>(face)];
+    const auto end = bench.session.positionOf({bench.session.document().boneNamed("b")->id, true});
+    REQUIRE(end.has_value());
+    CHECK((at - *end).norm() < 1e-4);  // the bone ends in the middle of the face
+    CHECK((*end - of.frame.origin).norm() > 0.1);  // it was moved
+    CHECK((axes[0].cross(axes[1]) - axes[2]).norm() < 1e-6);
+    CHECK(axes[2].dot(of.frame.axes.col(2)) > 0.7);
+    CHECK(axes[2].dot(of.frame.axes.col(2)) < 0.9999);
+}
+
 TEST_CASE("a framed body fills the picture and stays inside it, from every side and in every format") {
     Workbench bench;
     bench.buildChain();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 
+#include "core/base/decompositions.h"
 #include "core/base/hash.h"
 #include "core/character/deform_input.h"
 #include "core/document/bone_limits.h"
@@ -25,6 +26,7 @@ constexpr double kSameArea = 0.98;
 constexpr float kBodyOpacity = 0.6f;
 // Arrows of a handle are this many times as long as its disc is wide in half.
 constexpr double kHandleAxis = 1.6;
+constexpr double kFaceAxis = 0.7;  // of the size of a joint face
 
 }  // namespace
 
@@ -188,6 +190,33 @@ void DocumentScene::addSeams(const Document& document, render::Scene& scene) {
     welds_ = std::move(kept);
 }
 
+namespace {
+
+void addAxes(render::Scene& scene, const Vec3& at, const Eigen::Matrix3d& axes, double length) {
+    for (int axis = 0; axis < 3; ++axis) {
+        render::Marker arrow;
+        arrow.shape = render::Marker::Shape::Axis;
+        arrow.from = at;
+        arrow.to = at + length * axes.col(axis);
+        scene.markers.push_back(std::move(arrow));
+    }
+}
+
+/// The frame of a joint face where its vertices are shown. `shown`: floats x y z of all vertices of the body.
+void addFrame(render::Scene& scene, const Element& element, const JointFace& face, const float* shown) {
+    const auto n = static_cast<Eigen::Index>(face.vertices.size());
+    Eigen::Matrix3Xd rest(3, n), now(3, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const std::int32_t v = face.vertices[static_cast<std::size_t>(k)];
+        rest.col(k) = element.mesh->body.vertices.row(v).transpose();
+        now.col(k) = Eigen::Map<const Eigen::Vector3f>(shown + 3 * std::ptrdiff_t(v)).cast<double>();
+    }
+    const Eigen::Isometry3d motion(nearestMotion(rest, now));
+    addAxes(scene, motion * face.frame.origin, motion.linear() * face.frame.axes, kFaceAxis * face.size);
+}
+
+}  // namespace
+
 void DocumentScene::addFaces(const Document& document, const SceneOptions& options, render::Scene& scene) {
     // Of joined faces, which lie on each other, the first is shown and the others when they are selected.
     std::vector<FaceRef> hidden;
@@ -205,6 +234,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
             if (p.element->handleOf(ref.face) ? !options.bones : !options.faces) continue;
             if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
             if (p.element->locked || p.element->faces[f].locked) marker.id = 0;
+            if ((marker.selected || marker.hovered) && !p.element->handleOf(ref.face)) addFrame(scene, *p.element, p.element->faces[f], p.shown);
             for (const auto& loop : p.rims[f]) {
                 marker.outline.clear();
                 for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(p.shown + 3 * v).cast<double>());
@@ -288,13 +318,7 @@ void DocumentScene::addHandles(const Session& session, const SceneOptions& optio
             point.hovered = options.hovered == point.id;
             if (point.selected || point.hovered) {
                 const JointFace& of = element->faces[static_cast<std::size_t>(face)];
-                for (int axis = 0; axis < 3; ++axis) {
-                    render::Marker arrow;
-                    arrow.shape = render::Marker::Shape::Axis;
-                    arrow.from = pose->at;
-                    arrow.to = pose->at + kHandleAxis * of.size * (pose->rotation * Vec3(of.frame.axes.col(axis)));
-                    scene.markers.push_back(std::move(arrow));
-                }
+                addAxes(scene, pose->at, pose->rotation * of.frame.axes, kHandleAxis * of.size);
             }
             if (element->locked || element->faces[static_cast<std::size_t>(face)].locked) point.id = 0;
             scene.markers.push_back(std::move(point));
