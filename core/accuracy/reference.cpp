@@ -170,9 +170,9 @@ Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements,
     return out;
 }
 
-ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
+ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements, const Progress& progress) {
     ResponseEstimate sum;
-    for (std::size_t e = 0; e < elements.size(); ++e) {
+    for (std::size_t e = 0; e < elements.size() && !progress.cancelled(); ++e) {
         if (elements[e].faces.empty()) continue;
         const bool shared = std::any_of(elements.begin(), elements.begin() + static_cast<std::ptrdiff_t>(e), [&](const ResponseInput& other) {
             return !other.faces.empty() && other.mesh->body.vertices.rows() == elements[e].mesh->body.vertices.rows() && findCongruence(other, elements[e]);
@@ -186,10 +186,10 @@ ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements) {
     return sum;
 }
 
-std::optional<Kind> referenceMesh(const ReferenceInput& input) {
+std::optional<Kind> referenceMesh(const ReferenceInput& input, const Progress& progress) {
     for (const Kind mesh : {Kind::Best, Kind::Default, Kind::AsIs}) {
         const auto elements = asked(input.elements, BasisKind::Full, mesh);
-        const ResponseEstimate cost = estimateElements(elements);
+        const ResponseEstimate cost = estimateElements(elements, progress);
         double kept = 0.0;
         for (const auto& e : elements) {
             double m = 0.0;
@@ -232,12 +232,12 @@ ContentKey referenceKey(const ReferenceInput& input) {
     return hasher.key();
 }
 
-ResponseEstimate referenceCost(const ReferenceInput& input) {
-    const std::optional<Kind> finest = referenceMesh(input);
+ResponseEstimate referenceCost(const ReferenceInput& input, const Progress& progress) {
+    const std::optional<Kind> finest = referenceMesh(input, progress);
     if (!finest) return {};
-    ResponseEstimate out = estimateElements(asked(input.elements, BasisKind::Full, *finest));
-    out.seconds += estimateElements(asked(input.elements, kSmooth, *finest)).seconds;
-    if (*finest != Kind::AsIs) out.seconds += estimateElements(asked(input.elements, BasisKind::Full, Kind::AsIs)).seconds;
+    ResponseEstimate out = estimateElements(asked(input.elements, BasisKind::Full, *finest), progress);
+    out.seconds += estimateElements(asked(input.elements, kSmooth, *finest), progress).seconds;
+    if (*finest != Kind::AsIs) out.seconds += estimateElements(asked(input.elements, BasisKind::Full, Kind::AsIs), progress).seconds;
     out.seconds /= machineShare(input.elements.front().threads);
     return out;
 }

@@ -51,13 +51,13 @@ struct ReferenceInput {
 };
 
 /// The finest solver mesh within its limits; none: too large for all. Finer ones have larger ranks: 0 as-is, 1 default, 2 best.
-std::optional<SolverMeshSetting::Kind> referenceMesh(const ReferenceInput& input);
+std::optional<SolverMeshSetting::Kind> referenceMesh(const ReferenceInput& input, const Progress& progress = {});
 int referenceRank(const std::string& mesh);
 
 /// Everything that the full solution depends on but poses and limits: elements, skeleton and joints.
 ContentKey referenceKey(const ReferenceInput& input);
 /// Seconds, with what else the machine has to do now, and bytes of a FullSolution, estimated. Zeros where no mesh is within its limits.
-ResponseEstimate referenceCost(const ReferenceInput& input);
+ResponseEstimate referenceCost(const ReferenceInput& input, const Progress& progress = {});
 
 /// The full solution of a character, solved once: each pose then takes no more than finding the equilibrium of its joint faces.
 class FullSolution {
@@ -99,6 +99,6 @@ struct SolvedElements {
 };
 Result<SolvedElements> solveElements(const std::vector<ResponseInput>& elements, const Progress& progress);
 /// What that would cost: the sum of seconds and the largest of bytes.
-ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements);
+ResponseEstimate estimateElements(const std::vector<ResponseInput>& elements, const Progress& progress = {});
 
 }  // namespace imomushi

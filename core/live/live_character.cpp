@@ -413,7 +413,10 @@ void LiveCharacter::followExchange(const Document& before) noexcept {
         const DocumentChange change = difference(before, document());
         if (change.structure() && changesCharacter(change, document())) valid_ = false;
         if (change.effects) performanceValid_ = false;
-        if (built()) jumpToPose();
+        if (!built()) return;
+        // What moves goes on where no pose was exchanged: a name, a material, an effect.
+        if (change.unknown || change.posing()) jumpToPose();
+        else if (change.has(&DocumentChange::takes)) leaveTake();
     } catch (const std::exception&) {  // no memory
         drop();
     }

@@ -196,6 +196,34 @@ TEST_CASE("performance: one of 200 elements that swing is edited: no other moves
     for (std::size_t i = 0; i < alone.size(); ++i) CHECK(farthest(alone[i], beside[i]) < 1e-3 * usual);
 }
 
+TEST_CASE("performance: what swings goes on when a name, a material or an effect is undone and redone; undoing a drag brings the pose from before") {
+    // Where the end is after each of ten steps that follow these commands.
+    const auto swung = [](const std::vector<Json>& commands) {
+        Swinging s(false);
+        s.pull(s.at() + Vec3(0.5, 0.4, 0.0));
+        for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+        s.w.good({{"do", "release"}, {"endpoint", s.end()}});
+        for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+        for (const Json& command : commands) s.w.good(command);
+        std::vector<Vec3> out{s.at()};
+        for (int i = 0; i < 10; ++i) {
+            s.w.session.stepFrame(1.0 / kHertz);
+            out.push_back(s.at());
+        }
+        return out;
+    };
+    const Json undo{{"do", "undo"}}, redo{{"do", "redo"}};
+    const auto alone = swung({});
+    REQUIRE((alone[1] - alone[0]).norm() > 1e-3);
+    for (const Json& edit : {Json{{"do", "rename"}, {"target", "B"}, {"name", "tail"}}, Json{{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}}, Json{{"do", "enable"}, {"effect", "bend-warp"}}}) {
+        CAPTURE(edit.dump());
+        const auto edited = swung({edit, undo, redo, undo});
+        for (std::size_t i = 0; i < alone.size(); ++i) CHECK((alone[i] - edited[i]).norm() < 1e-6);
+    }
+    // What lets go is undone: the end is held again, where it was then.
+    CHECK((swung({undo}).front() - alone.front()).norm() > 0.01);
+}
+
 TEST_CASE("performance: flesh that the ground has lifted stays where it is when an element far from it is edited") {
     Workbench w;
     w.good({{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/figure.imomushi"}});

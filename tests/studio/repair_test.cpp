@@ -190,10 +190,11 @@ TEST_CASE("studio: an element that finite elements cannot solve is among the iss
     w.run({{"do", "precompute"}});
     CHECK(said());
     // Another effect asks for another response: what is there is out of date, here and in the outliner.
-    QSignalSpy repainted(w.window().outliner().findChild<OutlinerModel*>(), &QAbstractItemModel::dataChanged);
+    const auto* outliner = w.window().outliner().findChild<OutlinerModel*>();
+    QSignalSpy repainted(outliner, &QAbstractItemModel::dataChanged), made(outliner, &QAbstractItemModel::modelReset);  // an effect has a row of its own there
     w.run({{"do", "enable"}, {"effect", "touch"}});
     CHECK_FALSE(said());
-    CHECK(repainted.count() > 0);
+    CHECK(repainted.count() + made.count() > 0);
     w.run({{"do", "undo"}});
     CHECK(said());
     w.run({{"do", "set"}, {"target", "bar"}, {"property", "nu"}, {"value", 0.49}});

@@ -8,7 +8,9 @@
 #include <QSettings>
 #include <QToolBar>
 #include <QWheelEvent>
+#include <condition_variable>
 #include <map>
+#include <mutex>
 #include <new>
 #include <numbers>
 #include <stdexcept>
@@ -135,6 +137,33 @@ TEST_CASE("studio: at 125 % everything grows and nothing is cut off") {
     w.shoot("125");
     Appearance::instance().setScale(1.0);
     w.settle();
+}
+
+TEST_CASE("work in the background that is given up: the window waits for none of it, however long it does not notice") {
+    class Work : public BackgroundJob {
+    public:
+        using BackgroundJob::launch;
+    };
+    std::mutex mutex;
+    std::condition_variable freed;
+    bool free = false;
+    int done = 0;
+    Work job;
+    // None of these ends before it is let go, below: a window that waited for one would wait for ever.
+    for (int i = 0; i < 3; ++i) {
+        job.launch([&](const Progress&) {
+            std::unique_lock lock(mutex);
+            freed.wait(lock, [&] { return free; });
+        }, [&] { ++done; });
+        job.cancel();
+        CHECK(!job.running());
+    }
+    job.launch([](const Progress&) {}, [&] { done += 10; });
+    waitFor([&] { return !job.running(); });
+    CHECK(done == 10);
+    const std::scoped_lock lock(mutex);
+    free = true;
+    freed.notify_all();
 }
 
 TEST_CASE("work in the background that fails: it says so, and the studio lives") {

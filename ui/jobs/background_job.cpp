@@ -18,7 +18,14 @@ BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {
 
 BackgroundJob::~BackgroundJob() {
     thread_.request_stop();
-    abandoned_.request_stop();
+}
+
+// The window waits for no thread that still works.
+void BackgroundJob::forgetEnded() {
+    std::erase_if(abandoned_, [](const auto& given) {
+        const std::scoped_lock lock(given.first->mutex);
+        return given.first->ended;
+    });
 }
 
 void BackgroundJob::launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed) {
@@ -57,7 +64,8 @@ void BackgroundJob::cancel() {
     running_ = false;
     timer_.stop();
     thread_.request_stop();
-    abandoned_ = std::move(thread_);  // waits for the one before, which was asked to stop long ago
+    forgetEnded();
+    abandoned_.emplace_back(shared_, std::move(thread_));
     Q_EMIT finished(false);
 }
 

@@ -7,10 +7,12 @@
 #include <QTimer>
 #include <exception>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "core/base/progress.h"
 
@@ -54,10 +56,12 @@ private:
         std::exception_ptr failure;
     };
     void poll();
+    void forgetEnded();
 
     std::shared_ptr<Shared> shared_;
     std::jthread thread_;
-    std::jthread abandoned_;
+    /// Threads of work that was given up, until each has noticed.
+    std::list<std::pair<std::shared_ptr<Shared>, std::jthread>> abandoned_;
     std::function<void()> done_, failed_;
     QTimer timer_;
     QElapsedTimer clock_, told_;

@@ -28,7 +28,7 @@ void PoseErrorJob::forget() {
 void ReferenceCostJob::start(ReferenceInput input) {
     cost_.reset();
     auto made = std::make_shared<ResponseEstimate>();
-    launch([made, input = std::move(input)](const Progress&) { *made = referenceCost(input); }, [this, made] { cost_ = *made; });
+    launch([made, input = std::move(input)](const Progress& progress) { *made = referenceCost(input, progress); }, [this, made] { cost_ = *made; });
 }
 
 }  // namespace imomushi

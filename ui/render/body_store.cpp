@@ -222,9 +222,9 @@ void BodyStore::uploadHighlight(const std::vector<std::int32_t>* triangles, GpuB
     gpu.highlightedIndices.clear();
     for (const std::int32_t f : gpu.highlightedTriangles)
         if (f >= 0 && f < gpu.mesh->body.triangles.rows()) gpu.highlightedIndices.insert(gpu.highlightedIndices.end(), gpu.geometry->corners(f), gpu.geometry->corners(f) + 3);
-    glBindVertexArray(0);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.highlight);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(gpu.highlightedIndices.size() * sizeof(std::uint32_t)), gpu.highlightedIndices.data(), GL_DYNAMIC_DRAW);
+    // Not as elements: that binding belongs to a vertex array, and without one it is an error in a core profile.
+    glBindBuffer(GL_COPY_WRITE_BUFFER, gpu.highlight);
+    glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(gpu.highlightedIndices.size() * sizeof(std::uint32_t)), gpu.highlightedIndices.data(), GL_DYNAMIC_DRAW);
 }
 
 void BodyStore::clear() {
