@@ -4,16 +4,21 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <unordered_map>
+#include <utility>
 
 #include "core/base/finite.h"
-#include "core/mesh/bounds.h"
+#include "core/mesh/triangle_order.h"
 
 namespace imomushi {
 namespace {
 
 /// Vertices this near to the plane, in diagonals of the body, lie on it: rounding of coordinates about as large as the body.
 constexpr double kOn = 1e-11;
+/// A cluster whose box is nearer to the plane than this, in diagonals of the body, is asked: more than rounding of its box.
+constexpr double kRounding = 1e-9;
+constexpr std::size_t kCluster = 64;  // triangles
 /// A vertex is moved by at most this part of the smallest height around it, so that no triangle comes near to turning over.
 constexpr double kFarthestMove = 2.5 * kSnap;
 /// Points of a hole that are asked which loop is around it.
@@ -65,14 +70,30 @@ public:
             if (std::abs(normal_[k]) < std::abs(normal_[axis])) axis = k;
         axes_.col(0) = (Vec3::Unit(axis) - normal_[axis] * normal_).normalized();
         axes_.col(1) = normal_.cross(axes_.col(0));
-        const Bounds box = boundsOf(mesh_.vertices);
-        middle_ = box.low + 0.5 * box.size();
+        middle_ = surface.box.low + 0.5 * surface.box.size();
         offset_ = normal_.dot(middle_ - plane.origin);
         origin_ = axes_.transpose() * (plane.origin - middle_);
-        released_.assign(static_cast<std::size_t>(mesh_.vertices.rows()), 0);
-        distance_.resize(released_.size());
-        side_.resize(released_.size());
-        for (Eigen::Index v = 0; v < mesh_.vertices.rows(); ++v) distance_[static_cast<std::size_t>(v)] = distanceOf(mesh_.vertices.row(v).transpose());
+        const auto vertices = static_cast<std::size_t>(mesh_.vertices.rows());
+        distance_ = std::make_unique_for_overwrite<double[]>(vertices);
+        released_.assign(vertices, 0);
+        side_.assign(vertices, 1);
+        // Where a cluster is on one side, with what lies on the plane by tolerance, nothing is asked of it: neither its triangles nor, over an edge on the plane, its neighbours.
+        std::vector<char> seen(vertices, 0);
+        for (const CutSurface::Cluster& cluster : surface.clusters) {
+            const double reach = normal_.cwiseAbs().dot(cluster.half) + kSnap * cluster.height + kRounding * surface.diagonal;
+            if (std::abs(distanceOf(cluster.middle)) > reach) continue;
+            for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+                crossed_.push_back(surface.byPlace[i]);
+                for (int k = 0; k < 3; ++k) {
+                    const std::int32_t v = mesh_.triangles(crossed_.back(), k);
+                    if (std::exchange(seen[static_cast<std::size_t>(v)], 1) != 0) continue;
+                    near_.push_back(v);
+                    distance_[static_cast<std::size_t>(v)] = distanceOf(mesh_.vertices.row(v).transpose());
+                }
+            }
+        }
+        std::sort(crossed_.begin(), crossed_.end());
+        std::sort(near_.begin(), near_.end());
     }
 
     Result<Section> find() {
@@ -106,7 +127,8 @@ private:
     [[nodiscard]] Vec2 flat(const Vec3& p) const { return axes_.transpose() * (p - middle_); }
 
     void classify() {
-        for (std::size_t v = 0; v < side_.size(); ++v) {
+        for (const std::int32_t near : near_) {
+            const auto v = static_cast<std::size_t>(near);
             const double d = distance_[v];
             const bool on = std::abs(d) <= kOn * surface_.diagonal || (released_[v] == 0 && std::abs(d) <= kSnap * surface_.height[v]);
             side_[v] = static_cast<std::int8_t>(on ? 0 : d > 0.0 ? 1 : -1);
@@ -128,7 +150,7 @@ private:
     void findSides() {
         sides_.clear();
         const auto vertices = static_cast<std::int32_t>(mesh_.vertices.rows());
-        for (std::int32_t f = 0; f < mesh_.triangles.rows(); ++f) {
+        for (const std::int32_t f : crossed_) {
             const int side = sideOf(f);
             if (side == 0) {
                 Side s;
@@ -285,7 +307,7 @@ private:
     /// A tip of the surface that ends at the plane within the section, or just beyond it, would pierce the cap: it is moved back to its own side. `moved` stays ascending.
     void moveTipsBack(const std::vector<std::size_t>& chosen, std::vector<std::pair<std::int32_t, Vec3>>& moved) const {
         const auto cutThrough = static_cast<std::ptrdiff_t>(moved.size());
-        for (std::int32_t v = 0; v < static_cast<std::int32_t>(side_.size()); ++v) {
+        for (const std::int32_t v : near_) {
             if (side_[static_cast<std::size_t>(v)] != 0 || exact(v)) continue;  // a plane in which a wall lies is taken as it is
             bool front = false, behind = false, cut = false;
             for (const std::int32_t corner : surface_.corners.at(v))
@@ -339,8 +361,10 @@ private:
     Eigen::Matrix<double, 3, 2> axes_;
     double offset_ = 0.0;
     Vec2 origin_;
-    std::vector<double> distance_;
-    std::vector<std::int8_t> side_;  // of each vertex: 1 in front, 0 on the plane, -1 behind
+    std::vector<std::int32_t> crossed_;   // triangles of clusters that the plane crosses, ascending
+    std::vector<std::int32_t> near_;      // their vertices, ascending
+    std::unique_ptr<double[]> distance_;  // of these alone
+    std::vector<std::int8_t> side_;       // 1 in front, 0 on the plane, -1 behind; of these alone
     std::vector<char> released_;     // vertices that must not be moved
     std::vector<Side> sides_;
     std::unordered_map<std::int32_t, std::size_t> pinched_;  // vertices with as many sides that leave them
@@ -350,7 +374,7 @@ private:
 }  // namespace
 
 CutSurface::CutSurface(const TriangleMesh& body)
-    : mesh(body), edges(body.triangles), corners(body), diagonal(diagonalOf(body.vertices)), volume(enclosedVolume(body.vertices, body.triangles)) {
+    : mesh(body), edges(body.triangles), corners(body), diagonal(diagonalOf(body.vertices)), volume(enclosedVolume(body.vertices, body.triangles)), box(boundsOf(body.vertices)) {
     height.assign(static_cast<std::size_t>(mesh.vertices.rows()), HUGE_VAL);
     for (std::int32_t f = 0; f < mesh.triangles.rows(); ++f) {
         double longest = 0.0;
@@ -361,6 +385,23 @@ CutSurface::CutSurface(const TriangleMesh& body)
             double& least = height[static_cast<std::size_t>(mesh.triangles(f, k))];
             least = std::min(least, h);
         }
+    }
+    byPlace = trianglesByPlace(mesh);
+    for (std::size_t begin = 0; begin < byPlace.size(); begin += kCluster) {
+        Cluster& cluster = clusters.emplace_back();
+        cluster.begin = begin;
+        cluster.end = std::min(begin + kCluster, byPlace.size());
+        Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+        for (std::size_t i = begin; i < cluster.end; ++i)
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t v = mesh.triangles(byPlace[i], k);
+                const Vec3 p = mesh.vertices.row(v).transpose();
+                low = low.cwiseMin(p);
+                high = high.cwiseMax(p);
+                cluster.height = std::max(cluster.height, height[static_cast<std::size_t>(v)]);
+            }
+        cluster.middle = low + 0.5 * (high - low);
+        cluster.half = 0.5 * (high - low);
     }
 }
 

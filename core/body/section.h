@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "core/body/cut.h"
+#include "core/mesh/bounds.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/vertex_corners.h"
@@ -22,6 +23,15 @@ struct CutSurface {
     std::vector<double> height;  ///< #V: smallest height of the triangles around, m
     double diagonal = 0.0;       ///< m
     double volume = 0.0;         ///< m^3
+    Bounds box;
+    /// Triangles that lie together: a plane asks only those whose box it crosses.
+    struct Cluster {
+        std::size_t begin = 0, end = 0;                   ///< of byPlace
+        Vec3 middle = Vec3::Zero(), half = Vec3::Zero();  ///< m, of their box
+        double height = 0.0;                              ///< the largest of its vertices
+    };
+    std::vector<Cluster> clusters;
+    std::vector<std::int32_t> byPlace;  ///< trianglesByPlace()
 };
 
 /// A point of a loop: a vertex of the body, or where the plane crosses an edge.
