@@ -1079,6 +1079,10 @@
             <translation>1 つの要素の 2 つの関節面が接しています。間に頂点の列を空けてください。</translation>
         </message>
         <message>
+            <source>Nothing would be left of the joint face.</source>
+            <translation>関節面に何も残りません。</translation>
+        </message>
+        <message>
             <source>Joint faces cover the whole element. Leave some of it free.</source>
             <translation>関節面が要素全体を覆っています。自由な部分を残してください。</translation>
         </message>
@@ -2075,8 +2079,8 @@
             <translation>対応づけの提案</translation>
         </message>
         <message>
-            <source>Move joint face</source>
-            <translation>関節面を動かす</translation>
+            <source>Change joint face</source>
+            <translation>関節面を変える</translation>
         </message>
     </context>
     <context>
@@ -7486,7 +7490,7 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Move a joint face</source>
-            <translation>関節面を動かす</translation>
+            <translation>関節面を変える</translation>
         </message>
         <message>
             <source>Move</source>

@@ -8,6 +8,7 @@
 #include "core/document/command_support.h"
 #include "core/document/face_references.h"
 #include "core/document/names.h"
+#include "core/joints/grown_vertices.h"
 #include "core/joints/seam.h"
 #include "core/mesh/bounds.h"
 #include "core/session/document_edit.h"
@@ -18,6 +19,8 @@ namespace {
 
 /// How far from the plane a corner may lie unless the command says: relative to the diagonal of the element.
 constexpr double kPlaneTolerance = 1e-4;
+/// More rings than any body has between two of its faces.
+constexpr double kMostRings = 10'000.0;
 
 Result<std::vector<std::int32_t>> indicesFrom(const Json& value, Eigen::Index count) {
     std::vector<std::int32_t> indices;
@@ -38,6 +41,19 @@ Result<JointFace> faceInPlane(const TriangleMesh& body, const Json& plane, const
     double tolerance = kPlaneTolerance * size;
     if (auto ok = readNumber(arguments, "tolerance", 0.0, size, tolerance); !ok) return tl::unexpected(ok.error());
     return jointFaceByPlane(body, given.origin(), given.normal(), tolerance);
+}
+
+Result<JointFace> faceOfIndices(const TriangleMesh& body, const Json& vertices) {
+    IMOMUSHI_TRY(const auto indices, indicesFrom(vertices, body.vertices.rows()));
+    return jointFaceByVertices(body, indices);
+}
+
+Result<JointFace> grownFace(const TriangleMesh& body, const JointFace& face, const Json& grow) {
+    IMOMUSHI_TRY(const double rings, numberWithin(grow, "grow", -kMostRings, kMostRings));
+    if (rings == 0.0) return fail("bad-value", "\"grow\" must not be 0: name the rings of vertices to add, or below 0 to take away.");
+    const auto vertices = grownVertices(body, face.vertices, static_cast<int>(rings));
+    if (vertices.empty()) return fail("nothing-left", "Nothing would be left of the face: take fewer rings away.");
+    return jointFaceByVertices(body, vertices);
 }
 
 /// A face has a ring of free triangles about it. `instead`: of which it takes the place.
@@ -78,8 +94,7 @@ Result<Json> addJointFace(DocumentEdit& edit, const Json& arguments, const Progr
         face = faceInPlane(body, *plane, arguments);
     } else {
         if (arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
-        IMOMUSHI_TRY(const auto indices, indicesFrom(*vertices, body.vertices.rows()));
-        face = jointFaceByVertices(body, indices);
+        face = faceOfIndices(body, *vertices);
     }
     if (!face) return tl::unexpected(face.error());
     if (auto ok = checkApart(*element, *face); !ok) return tl::unexpected(ok.error());
@@ -93,13 +108,15 @@ Result<Json> editJointFace(DocumentEdit& edit, const Json& arguments, const Prog
     Document& document = edit.document;
     IMOMUSHI_TRY(const auto ref, document.face(text(arguments, "face")));
     const Element& element = *document.elements.at(ref.element);
-    if (element.handleOf(ref.face)) return fail("face-fixed", "\"" + ref.face + "\" is a handle: set its \"point\" instead.");
-    if (element.piece && std::any_of(element.piece->sides.begin(), element.piece->sides.end(), [&](const CutSide& side) { return side.face == ref.face; }))
-        return fail("face-fixed", "\"" + text(arguments, "face") + "\" is the face of a cut: move the cut instead.");
-    if (document.jointOf(ref)) return fail("face-fixed", "\"" + text(arguments, "face") + "\" is joined, and would leave the other face: unjoin it first.");
-    IMOMUSHI_TRY(auto face, faceInPlane(element.mesh->body, arguments.at("plane"), arguments));
+    const JointFace& was = faceOf(document, ref);
+    if (auto ok = checkFree(document, ref); !ok) return tl::unexpected(ok.error());
+    const TriangleMesh& body = element.mesh->body;
+    const Json *plane = find(arguments, "plane"), *vertices = find(arguments, "vertices"), *grow = find(arguments, "grow");
+    if ((plane ? 1 : 0) + (vertices ? 1 : 0) + (grow ? 1 : 0) != 1) return fail("missing-key", "\"edit-joint-face\" needs one of \"plane\", \"vertices\" and \"grow\".");
+    if (!plane && arguments.contains("tolerance")) return fail("unknown-key", "\"tolerance\" goes with \"plane\" only.");
+    IMOMUSHI_TRY(auto face, plane ? faceInPlane(body, *plane, arguments) : vertices ? faceOfIndices(body, *vertices) : grownFace(body, was, *grow));
     if (auto ok = checkApart(element, face, ref.face); !ok) return tl::unexpected(ok.error());
-    face.takeNameFrom(faceOf(document, ref));
+    face.takeNameFrom(was);
     Json answer = patchJson(face);
     exchangePart(document.elements, ref.element, [&](Element& changed) { changed.faces[static_cast<std::size_t>(changed.faceIndex(ref.face))] = std::move(face); });
     // Bones that end at it must still be bones.
@@ -227,10 +244,13 @@ void addElementCommands(CommandRegistry& registry) {
                         {"vertices", Type::Array, false, "Body vertices, counted from 0."}},
                        addJointFace);
     registry.addChange("edit-joint-face",
-                       "Moves a joint face to another plane; its name and the ends of bones at it stay. Not of a handle, of a cut, or while it is joined.",
+                       "Makes a joint face another patch of its element, by a plane, by vertices, or larger or smaller than it is; its name and the ends of bones at it stay. "
+                       "Not of a handle, of a cut, or while it is joined.",
                        {path,
-                        {"plane", Type::Object, true, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
-                        {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."}},
+                        {"plane", Type::Object, false, "{\"origin\": [x,y,z], \"normal\": [x,y,z]}, metres, normal outward."},
+                        {"tolerance", Type::Number, false, "Metres that a corner may lie off the plane (1e-4 of the element's diagonal)."},
+                        {"vertices", Type::Array, false, "Body vertices, counted from 0."},
+                        {"grow", Type::Integer, false, "Rings of neighbours to add; below 0: outer rings to take away."}},
                        editJointFace);
     registry.addChange("join",
                        "Joins two faces so that they look like one surface in every pose; moves nothing. A face that is joined already takes the other "

@@ -2,6 +2,7 @@
 #include "core/document/face_references.h"
 
 #include <algorithm>
+#include <string>
 
 #include "core/document/command_support.h"
 #include "core/document/effect_meetings.h"
@@ -20,6 +21,16 @@ void changeBones(Document& document, Changes&& changes, Change&& change) {
 }
 
 }  // namespace
+
+Result<void> checkFree(const Document& document, const FaceRef& face) {
+    const Element& element = *document.elements.at(face.element);
+    const std::string path = "\"" + element.name + "/" + face.face + "\"";
+    if (element.handleOf(face.face)) return fail("face-fixed", path + " is a handle: set its \"point\" instead.");
+    if (element.piece && std::any_of(element.piece->sides.begin(), element.piece->sides.end(), [&](const CutSide& side) { return side.face == face.face; }))
+        return fail("face-fixed", path + " is the face of a cut: move the cut instead.");
+    if (document.jointOf(face)) return fail("face-fixed", path + " is joined, and would leave the other face: unjoin it first.");
+    return {};
+}
 
 void leaveJoint(Document& document, const FaceRef& face) {
     const Joint* joint = document.jointOf(face);

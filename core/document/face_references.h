@@ -26,6 +26,9 @@ struct JoinedFaces {
 };
 Result<JoinedFaces> joinFaces(Document& document, const FaceRef& a, const FaceRef& b);
 
+/// Whether the patch of a face may become another one. Errors: "face-fixed" (it is a handle, of a cut, or joined).
+Result<void> checkFree(const Document& document, const FaceRef& face);
+
 /// Takes a face out of its joint; a joint of one face is none.
 void leaveJoint(Document& document, const FaceRef& face);
 

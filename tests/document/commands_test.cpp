@@ -94,6 +94,57 @@ TEST_CASE("add-joint-face: by plane or by vertices the same face, and faces keep
     CHECK(byVertices["frame"] == byPlane["frame"]);
 }
 
+TEST_CASE("edit-joint-face: a face grows by rings and gives them back, takes named vertices, keeps its name, and undo brings it back") {
+    Workbench w;
+    w.good({{"do", "import-element"}, {"path", "coarse0"}, {"name", "A"}});
+    const Json made = w.addFace("A", "top", 3, 1e-3);
+    REQUIRE(made["vertices"] == 16);
+    const std::string before = w.content();
+    const auto edit = [](const char* key, Json value) { return Json{{"do", "edit-joint-face"}, {"face", "A/top"}, {key, std::move(value)}}; };
+
+    // One ring more is the 12 vertices about the sides, one less the 4 in the middle.
+    const Json grown = w.good(edit("grow", 1));
+    CHECK(grown["vertices"] == 28);
+    CHECK(std::includes(grown["indices"].begin(), grown["indices"].end(), made["indices"].begin(), made["indices"].end()));
+    CHECK(w.session.document().elementNamed("A")->faces.at(0).name == "top");
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == before);
+    w.good({{"do", "redo"}});
+    CHECK(w.good(edit("grow", -1))["indices"] == made["indices"]);
+    CHECK(w.content() == before);
+    const Json small = w.good(edit("grow", -1));
+    CHECK(small["vertices"] == 4);
+    CHECK(small["area"].get<double>() == doctest::Approx(1.0 / 9.0));
+    CHECK(w.code(edit("grow", -1)) == "nothing-left");
+    CHECK(w.good(edit("vertices", made["indices"]))["frame"] == made["frame"]);
+
+    CHECK(w.code(edit("grow", 0)) == "bad-value");
+    CHECK(w.code(edit("grow", 0.5)) == "bad-type");
+    CHECK(w.code(edit("grow", 100)) == "not-planar");
+    CHECK(w.code(edit("vertices", {0, 1, 100000})) == "bad-index");
+    CHECK(w.code(edit("vertices", Json::array())) == "no-patch");
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/top"}}) == "missing-key");
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/top"}, {"grow", 1}, {"vertices", made["indices"]}}) == "missing-key");
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/top"}, {"grow", 1}, {"tolerance", 0.1}}) == "unknown-key");
+    CHECK(w.content() == before);
+}
+
+TEST_CASE("edit-joint-face: it takes no vertex of another face, and a handle or a joined face stays as it is") {
+    Workbench w;
+    w.buildChain();
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/out"}, {"grow", 1}}) == "face-fixed");
+    w.good({{"do", "unjoin"}, {"face", "A/out"}});
+    CHECK(w.good({{"do", "edit-joint-face"}, {"face", "A/out"}, {"grow", 1}})["vertices"].get<int>() > 9);
+    const Json other = w.session.document().elementNamed("A")->faces.at(0).vertices;
+    REQUIRE(w.session.document().elementNamed("A")->faces.at(0).name == "in");
+    Json both = w.session.document().elementNamed("A")->faces.at(1).vertices;
+    both.push_back(other.at(0));
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/out"}, {"vertices", other}}) == "shared-rim");
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "A/out"}, {"vertices", both}}) == "not-connected");
+    w.good({{"do", "handle"}, {"element", "B"}, {"point", {0.5, 0, 4.5}}, {"radius", 0.3}, {"name", "grip"}});
+    CHECK(w.code({{"do", "edit-joint-face"}, {"face", "B/grip"}, {"grow", 1}}) == "face-fixed");
+}
+
 TEST_CASE("join: equal faces are welded, unequal ones share one joint, a gap is refused, and nothing moves") {
     Workbench w;
     w.buildChain();

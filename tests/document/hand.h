@@ -67,7 +67,7 @@ public:
             case 34: return {{"do", "apply-pose"}, {"name", pose()}, {"share", number(-0.1, 1.1)}, {"mirrored", below(2) == 0}};
             case 35: return below(2) ? Json{{"do", "mirror-pose"}} : Json{{"do", "rest-bones"}, {"bones", {bone()}}, {"chain", below(2) == 0}};
             case 36: return below(2) ? Json{{"do", "set"}, {"target", handle()}, {"property", "point"}, {"value", vertex()}} : below(2) ? Json{{"do", "rename-pose"}, {"pose", pose()}, {"name", name()}} : Json{{"do", "remove-pose"}, {"pose", pose()}};
-            case 37: return transform();
+            case 37: return below(2) ? transform() : editFace();
             case 39:
             case 40: return copy();
             case 41:
@@ -121,6 +121,21 @@ private:
         const auto z = e.mesh->body.vertices.col(2);
         const double side = far ? z.maxCoeff() : z.minCoeff();
         return {{"do", "add-joint-face"}, {"element", e.name}, {"name", far ? "out" : "in"}, {"plane", {{"origin", {0, 0, side}}, {"normal", {0, 0, far ? 1 : -1}}}}};
+    }
+    /// A ring more or less, or what it has and a place beside it, or one vertex less.
+    Json editFace() {
+        Json made{{"do", "edit-joint-face"}, {"face", face()}};
+        const auto ref = session_.document().face(made["face"].get<std::string>());
+        if (!ref || below(2)) {
+            made["grow"] = static_cast<int>(below(5)) - 2;
+            return made;
+        }
+        const Element& e = *session_.document().elements.at(ref->element);
+        std::vector<std::int32_t> vertices = e.faces[static_cast<std::size_t>(e.faceIndex(ref->face))].vertices;
+        if (below(2)) vertices.erase(vertices.begin() + static_cast<std::ptrdiff_t>(below(vertices.size())));
+        if (below(2)) vertices.push_back(static_cast<std::int32_t>(below(static_cast<std::size_t>(e.mesh->body.vertices.rows()))));
+        made["vertices"] = vertices;
+        return made;
     }
     Json vertex() {
         const auto& elements = session_.document().elements;

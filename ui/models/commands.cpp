@@ -214,6 +214,12 @@ Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, con
 Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal) { return {{"do", "move-cut"}, {"cut", cut}, {"plane", planeJson(origin, normal)}}; }
 Json removeCut(const std::string& cut) { return {{"do", "remove-cut"}, {"cut", cut}}; }
 
+Json editJointFace(const std::string& face, const std::vector<std::int32_t>& vertices) {
+    return {{"do", "edit-joint-face"}, {"face", face}, {"vertices", vertices}};
+}
+
+Json growJointFace(const std::string& face, int rings) { return {{"do", "edit-joint-face"}, {"face", face}, {"grow", rings}}; }
+
 Json removeJointFace(const std::string& face) { return {{"do", "remove-joint-face"}, {"face", face}}; }
 Json addHandle(const std::string& element, const Vec3& point, double radius) {
     return {{"do", "handle"}, {"element", element}, {"point", vector(point)}, {"radius", radius}};

@@ -174,6 +174,8 @@ Json addJointFace(const std::string& element, const std::string& name, const std
 /// Where a plane cuts the rest shape; m.
 Json addJointFace(const std::string& element, const std::string& name, const Vec3& origin, const Vec3& normal, double tolerance);
 Json editJointFace(const std::string& face, const Vec3& origin, const Vec3& normal, double tolerance);
+Json editJointFace(const std::string& face, const std::vector<std::int32_t>& vertices);
+Json growJointFace(const std::string& face, int rings);
 Json removeJointFace(const std::string& face);
 Json join(const std::string& a, const std::string& b);
 /// A disc about the point of the rest shape; m. Its name is in the answer.
