@@ -2184,6 +2184,22 @@
             <translation>面を結合できませんでした。%1</translation>
         </message>
         <message>
+            <source>“%1” must be precomputed again then</source>
+            <translation>「%1」は事前計算をやり直すことになります</translation>
+        </message>
+        <message>
+            <source>Release: keep · Esc: take back</source>
+            <translation>離す：決定 · Esc：元に戻す</translation>
+        </message>
+        <message>
+            <source>Drag: add to “%1” · Ctrl+drag: take away · Wheel: radius (%2) · C or Esc: put the brush away</source>
+            <translation>ドラッグ：「%1」に加える · Ctrl+ドラッグ：取り除く · ホイール：半径（%2） · C か Esc：ブラシを終える</translation>
+        </message>
+        <message>
+            <source>“%1”: + −: larger, smaller · C: brush · L: add what is flat here</source>
+            <translation>「%1」：+ −：広く、狭く · C：ブラシ · L：ここの平らな部分を加える</translation>
+        </message>
+        <message>
             <source>Touches the joint face "%1"</source>
             <translation>関節面「%1」に接しています</translation>
         </message>
@@ -4541,6 +4557,10 @@
         <message>
             <source>While dragging flesh: keep the temporary handle</source>
             <translation>肉をドラッグ中：一時ハンドルを残す</translation>
+        </message>
+        <message>
+            <source>The selected joint face, with its tool: larger, smaller, brush, add a flat region</source>
+            <translation>選択した関節面（そのツールで）：広く、狭く、ブラシ、平らな部分を加える</translation>
         </message>
         <message>
             <source>Cut here, or accept a proposal</source>

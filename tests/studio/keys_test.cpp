@@ -302,6 +302,54 @@ TEST_CASE("overlapping ends: a second click at the same place takes the one behi
     CHECK(w.document().selection().front() == first);
 }
 
+TEST_CASE("joint face: keys and a brush change the selected one in the view, and with Shift the same letters reach their commands") {
+    Window w;
+    w.run({{"do", "import-element"}, {"path", IMOMUSHI_TEST_DATA "/reference/a_cylinder_coarse.obj"}, {"name", "chest"}});
+    w.run({{"do", "add-joint-face"}, {"element", "chest"}, {"name", "b"}, {"plane", {{"origin", {0, 0, 2}}, {"normal", {0, 0, 1}}}}});
+    w.window().showStart(false);
+    w.trigger("tool-face");
+    const PartId chest = w.now().elementNamed("chest")->id;
+    w.document().select({{SelectionItem::Kind::Face, chest, "b", false}});
+    w.look(Vec3(0, 0, 1));
+    w.settle();
+    const auto vertices = [&] { return w.now().elements.at(chest)->faces.at(0).vertices.size(); };
+    const std::size_t made = vertices();
+    const int before = w.document().session().position();
+    const QPoint at = w.view().rect().center();
+    QTest::mouseMove(&w.view(), at + QPoint(40, 0));
+    QTest::mouseMove(&w.view(), at);
+    w.settle();
+    w.view().setFocus();
+    QTest::keyClick(&w.view(), Qt::Key_Minus);
+    REQUIRE(vertices() < made);
+    const std::size_t small = vertices();
+    CHECK(w.document().session().position() == before + 1);
+    QTest::keyClick(&w.view(), Qt::Key_C);
+    CHECK(w.view().tools().tool().pending());
+    CHECK(w.view().hint().contains(QStringLiteral("Ctrl+drag")));
+    // From the middle to beyond the rim.
+    const QPoint rim = at + QPoint(w.view().height() * 2 / 5, 0);
+    QTest::mousePress(&w.view(), Qt::LeftButton, {}, at);
+    QTest::mouseMove(&w.view(), at + QPoint(10, 0));
+    QTest::mouseMove(&w.view(), rim);
+    w.settle();
+    CHECK(w.view().tools().busy());
+    w.shoot("face-brush");
+    QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, rim);
+    CHECK(vertices() > small);
+    CHECK(w.document().session().position() == before + 2);
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
+    CHECK(!w.view().tools().tool().pending());
+    QTest::mouseMove(&w.view(), at + QPoint(3, 0));
+    w.settle();
+    REQUIRE(w.view().tools().tool().wants(Qt::Key_L));
+    w.shoot("face-keys");
+    Shortcuts heard;
+    QTest::keyClick(&w.view(), Qt::Key_L, Qt::ShiftModifier);
+    CHECK(heard.reached[QKeySequence(Qt::SHIFT | Qt::Key_L)] == std::set<QObject*>{w.window().actions()["live-inputs"]});
+    CHECK(w.document().session().position() == before + 2);
+}
+
 TEST_CASE("picture of the view: any size, with alpha, and without what is selected") {
     Window w;
     w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));

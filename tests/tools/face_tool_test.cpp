@@ -242,3 +242,181 @@ TEST_CASE("face tool: G moves the placed plane without a button and R turns it, 
     CHECK(stage.steps() == before + 1);
     CHECK(stage.refusals.empty());
 }
+
+namespace {
+
+/// A bar whose end at x = 3 is a joint face of 25 vertices, looked at from there.
+struct FaceOfABar : ToolStage {
+    FaceTool tool{document()};
+    explicit FaceOfABar(bool alone = true) {
+        add("bar", shapes::box(Vec3(0, -0.5, -0.5), Vec3(3, 0.5, 0.5), 12, 4, 4).mesh);
+        if (!alone) add("next", shapes::box(Vec3(3, -0.5, -0.5), Vec3(6, 0.5, 0.5), 12, 4, 4).mesh);
+        run({{"do", "add-joint-face"}, {"element", "bar"}, {"name", "end"}, {"plane", {{"origin", {3, 0, 0}}, {"normal", {1, 0, 0}}}}});
+        document().select({SelectionItem{Kind::Face, element("bar").id, "end", false}});
+        look(ViewAxis::Right);
+    }
+    std::size_t vertices() { return element("bar").faces.at(0).vertices.size(); }
+    const Vec3 left{3, 0.45, 0.45}, right{3, -0.45, 0.45};  // along the upper rim
+};
+
+}  // namespace
+
+TEST_CASE("face tool: + and - and Ctrl+wheel make the selected face larger and smaller by a ring, one undo step each, and the arrows keep the tolerance") {
+    FaceOfABar stage;
+    FaceTool& tool = stage.tool;
+    CHECK(!tool.wants(Qt::Key_Plus));  // the pointer is not there yet
+    stage.hover(tool, Vec3(3, 0.1, 0.2));
+    CHECK(tool.hint().contains(QStringLiteral("end")));
+    const int before = stage.steps();
+    CHECK(tool.key(Qt::Key_Plus, {}));
+    CHECK(stage.vertices() == 41);
+    CHECK(stage.steps() == before + 1);
+    CHECK(stage.selected()->face == "end");
+    PointerEvent e = stage.at(400, 300, Qt::NoButton, Qt::NoButton, Qt::ControlModifier);
+    CHECK(tool.wheel(1.0, e));
+    CHECK(stage.vertices() == 57);
+    CHECK(stage.steps() == before + 2);
+    stage.run({{"do", "undo"}});
+    CHECK(stage.vertices() == 41);
+    for (std::size_t left : {25u, 9u}) {
+        CHECK(tool.key(Qt::Key_Minus, {}));
+        CHECK(stage.vertices() == left);
+    }
+    CHECK(tool.key(Qt::Key_Minus, {}));
+    CHECK(stage.refusals.size() == 1);
+    CHECK(stage.vertices() == 9);
+    CHECK(tool.key(Qt::Key_Up, {}));
+    CHECK(stage.vertices() == 9);
+    // Without Ctrl the wheel zooms.
+    e.modifiers = {};
+    CHECK(!tool.wheel(1.0, e));
+}
+
+TEST_CASE("face tool: a face that was just made grows at once; a joined one has no brush and stays as it is") {
+    FaceOfABar stage;
+    stage.run({{"do", "remove-joint-face"}, {"face", "bar/end"}});
+    stage.click(stage.tool, Vec3(3, 0.1, 0.2));
+    REQUIRE(stage.vertices() == 25);
+    CHECK(stage.tool.key(Qt::Key_Plus, {}));
+    CHECK(stage.vertices() == 41);
+
+    FaceOfABar joined(false);
+    REQUIRE(joinNeighbours(joined.document(), {joined.element("bar").id, "end"}) == 1);
+    joined.run({{"do", "set"}, {"target", "next"}, {"property", "visible"}, {"value", false}});
+    joined.hover(joined.tool, Vec3(3, 0.1, 0.2));
+    const int before = joined.steps();
+    CHECK(!joined.tool.wants(Qt::Key_C));
+    CHECK(!joined.tool.key(Qt::Key_C, {}));
+    CHECK(!joined.tool.key(Qt::Key_L, {}));
+    joined.tool.key(Qt::Key_Plus, {});
+    CHECK(joined.steps() == before);
+}
+
+TEST_CASE("face tool: a drag with the brush takes vertices away with Ctrl and adds them without, each drag one undo step, however fast the hand is") {
+    FaceOfABar stage;
+    FaceTool& tool = stage.tool;
+    stage.hover(tool, stage.left);
+    CHECK(tool.wants(Qt::Key_C));
+    CHECK(tool.key(Qt::Key_C, {}));
+    CHECK(tool.pending());
+    CHECK(!tool.busy());
+    const int before = stage.steps();
+    stage.press(tool, stage.left, Qt::ControlModifier);
+    CHECK(tool.busy());
+    stage.pull(tool, stage.right);
+    CHECK(stage.steps() == before);  // a preview alone
+    CHECK(stage.vertices() == 25);
+    render::Scene scene;
+    tool.decorate(scene);
+    REQUIRE(!scene.markers.empty());
+    CHECK(scene.markers[0].outline.size() == 14);  // four cells by three
+    CHECK(!scene.markers[0].refused);
+    stage.letGo(tool, stage.right);
+    CHECK(!tool.busy());
+    CHECK(stage.vertices() == 20);
+    CHECK(stage.steps() == before + 1);
+    stage.press(tool, stage.right);
+    stage.pull(tool, stage.left);
+    stage.letGo(tool, stage.left);
+    CHECK(stage.vertices() == 25);
+    CHECK(stage.steps() == before + 2);
+    stage.run({{"do", "undo"}});
+    stage.run({{"do", "undo"}});
+    CHECK(stage.vertices() == 25);
+    CHECK(tool.key(Qt::Key_C, {}));
+    CHECK(!tool.pending());
+    CHECK(stage.refusals.empty());
+}
+
+TEST_CASE("face tool: Esc takes back what is being painted, once more puts the brush away, and the wheel sets its radius") {
+    FaceOfABar stage;
+    FaceTool& tool = stage.tool;
+    stage.hover(tool, Vec3(3, 0, 0));
+    tool.key(Qt::Key_C, {});
+    const int before = stage.steps();
+    stage.press(tool, stage.left, Qt::ControlModifier);
+    stage.pull(tool, stage.right);
+    tool.cancel();
+    CHECK(!tool.busy());
+    CHECK(tool.pending());
+    stage.letGo(tool, stage.right);
+    CHECK(stage.vertices() == 25);
+    CHECK(stage.steps() == before);
+    const QString narrow = tool.hint();
+    for (int i = 0; i < 8; ++i) CHECK(tool.wheel(1.0, stage.at(400, 300, Qt::NoButton, Qt::NoButton)));
+    CHECK(tool.hint() != narrow);
+    // Four times as wide it takes more at one touch.
+    stage.press(tool, stage.left, Qt::ControlModifier);
+    stage.letGo(tool, stage.left);
+    CHECK(stage.vertices() < 22);
+    tool.cancel();
+    CHECK(!tool.pending());
+}
+
+TEST_CASE("face tool: a drag that would leave two pieces is shown as refused and changes nothing") {
+    FaceOfABar stage;
+    FaceTool& tool = stage.tool;
+    stage.hover(tool, Vec3(3, 0, 0));
+    tool.key(Qt::Key_C, {});
+    const int before = stage.steps();
+    stage.press(tool, Vec3(3, 0.45, 0.02), Qt::ControlModifier);
+    stage.pull(tool, Vec3(3, -0.45, 0.02));
+    render::Scene scene;
+    tool.decorate(scene);
+    REQUIRE(!scene.markers.empty());
+    CHECK(scene.markers[0].refused);
+    stage.letGo(tool, Vec3(3, -0.45, 0.02));
+    CHECK(stage.refusals.size() == 1);
+    CHECK(stage.vertices() == 25);
+    CHECK(stage.steps() == before);
+}
+
+TEST_CASE("face tool: L adds the flat region under the pointer, and a face that is not selected any more has no brush") {
+    FaceOfABar stage;
+    FaceTool& tool = stage.tool;
+    stage.hover(tool, stage.left);
+    CHECK(tool.key(Qt::Key_Minus, {}));
+    REQUIRE(stage.vertices() == 9);
+    const int before = stage.steps();
+    stage.hover(tool, stage.left);
+    CHECK(tool.wants(Qt::Key_L));
+    CHECK(tool.key(Qt::Key_L, {}));
+    CHECK(stage.vertices() == 25);
+    CHECK(stage.steps() == before + 1);
+    tool.key(Qt::Key_C, {});
+    CHECK(tool.pending());
+    stage.document().select({});
+    CHECK(!tool.pending());
+}
+
+TEST_CASE("face tool: where an element has a result, the hint says that it must be precomputed again") {
+    FaceOfABar stage;
+    stage.run({{"do", "set"}, {"target", "bar"}, {"property", "solver-mesh"}, {"value", "as-is"}});
+    stage.hover(stage.tool, stage.left);
+    CHECK(!stage.tool.hint().contains(QStringLiteral("precomputed again")));
+    stage.run({{"do", "precompute"}});
+    stage.hover(stage.tool, stage.left);
+    CHECK(stage.tool.hint().contains(QStringLiteral("precomputed again")));
+    stage.tool.key(Qt::Key_C, {});
+    CHECK(stage.tool.hint().contains(QStringLiteral("precomputed again")));
+}

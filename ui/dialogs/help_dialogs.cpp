@@ -42,6 +42,7 @@ ControlsDialog::ControlsDialog(const ActionSet& actions, bool blenderNavigation,
         {tr("While dragging: finer, in steps"), tr("Shift, Ctrl")},
         {tr("While dragging flesh: keep the temporary handle"), QStringLiteral("K")},
         {tr("Without a button: move, turn and scale what is selected"), blenderNavigation ? QStringLiteral("G, R, S") : QStringLiteral("G, S")},
+        {tr("The selected joint face, with its tool: larger, smaller, brush, add a flat region"), QStringLiteral("+, -, C, L")},
         {tr("Cut here, or accept a proposal"), tr("Enter")},
     };
     Rows commands;  // keys can be changed

@@ -130,6 +130,8 @@ double FaceTool::tolerance(const Element& element) const {
     return kTolerance * std::ldexp(1.0, widened_) * diagonalOf(element.mesh->body.vertices);
 }
 
+Result<JointFace> FaceTool::flatRegion(const Element& element, std::int32_t triangle) const { return jointFaceBySeed(element.mesh->body, triangle, kAngle, tolerance(element)); }
+
 void FaceTool::clearPreview() {
     element_ = 0;
     seen_.reset();
@@ -159,7 +161,7 @@ void FaceTool::preview(const RayHit& hit) {
         if (shown(*face).picked()) existing_ = face->name;
         return;
     }
-    auto face = jointFaceBySeed(of->mesh->body, hit.triangle, kAngle, tolerance(*of));
+    auto face = flatRegion(*of, hit.triangle);
     // A tolerance that was asked for means a patch, wherever it is.
     if (widened_ == 0 && !(face && sections(seen_).isFacet(*face)))
         if (const auto plane = sections(seen_).across(hit.rest, normalOf(of->mesh->body, hit.triangle))) return previewCut(*plane);
@@ -207,7 +209,7 @@ void FaceTool::placePlane(const RayHit& hit) {
     plane.origin = hit.rest;
     plane.normal = normalOf(body, hit.triangle);
     // On a flat region the plane lies in it, anywhere else it crosses the flesh.
-    const auto patch = jointFaceBySeed(body, hit.triangle, kAngle, tolerance(*found->second));
+    const auto patch = flatRegion(*found->second, hit.triangle);
     if (!patch || !sections(found->second).isFacet(*patch))
         if (const auto across = sections(found->second).across(hit.rest, plane.normal)) {
             plane.origin = across->origin;
@@ -228,6 +230,7 @@ void FaceTool::press(const PointerEvent& e) {
     if (edit_) return edit_.reset();
     if (drag_.modal()) return drag_.keep();
     if (drag_.busy()) return;
+    if (brush_.on()) return brush_.press(e);
     if (!plane_ && !(e.modifiers & Qt::ShiftModifier)) {
         if (drag_.press(e)) return clearPreview();
         if (const auto item = pickCut(document_.session(), e)) {
@@ -264,6 +267,8 @@ void FaceTool::move(const PointerEvent& e) {
     last_ = e;
     if (drag_.busy()) return drag_.move(e);
     if (edit_) return followPlane(e);
+    if (brush_.on()) return brush_.move(e);
+    brush_.end();
     if (plane_ && !plane_->dragging) return;
     overCut_ = !plane_ && drag_.over(e);
     if (!plane_)
@@ -298,6 +303,7 @@ void FaceTool::move(const PointerEvent& e) {
 
 void FaceTool::release(const PointerEvent& e) {
     if (drag_.busy()) return drag_.release(e);
+    brush_.release();
     if (plane_) plane_->dragging = false;
 }
 
@@ -312,9 +318,16 @@ bool FaceTool::widen(int steps) {
 }
 
 bool FaceTool::wheel(double notches, const PointerEvent& e) {
+    if (brush_.on()) {
+        brush_.widen(notches > 0.0 ? 1 : -1);
+        return true;
+    }
     // Without a placed plane the wheel zooms, as everywhere; Ctrl keeps it for the tolerance.
     if (!plane_ && !(e.modifiers & Qt::ControlModifier)) return false;
-    return widen(notches > 0.0 ? 1 : -1);
+    const int steps = notches > 0.0 ? 1 : -1;
+    if (!edited()) return widen(steps);
+    grow(steps);
+    return true;
 }
 
 bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
@@ -334,6 +347,8 @@ bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text
         clearPreview();
         return true;
     }
+    if (brush_.on()) return brushKey(key);
+    if (edited() && editKey(key, modifiers)) return true;
     if ((key == Qt::Key_Delete || key == Qt::Key_Backspace) && !plane_) return removeSelection(document_);
     if (key == Qt::Key_Up || key == Qt::Key_Plus) return seed_ >= 0 || plane_ ? widen(1) : false;
     if (key == Qt::Key_Down || key == Qt::Key_Minus) return seed_ >= 0 || plane_ ? widen(-1) : false;
@@ -370,7 +385,10 @@ bool FaceTool::wants(int key) const {
     if (edit_) return key == Qt::Key_X || key == Qt::Key_Y || key == Qt::Key_Z;
     if ((key == Qt::Key_G || key == Qt::Key_R) && plane_) return last_.has_value();
     if (key == Qt::Key_G || key == Qt::Key_R) return !plane_ && last_ && document_.selection().size() == 1 && cutOf(document_.document(), document_.selection().front());
+    if (brush_.on()) return key == Qt::Key_C || key == Qt::Key_Return || key == Qt::Key_Enter || key == Qt::Key_BracketLeft || key == Qt::Key_BracketRight;
     switch (key) {
+        case Qt::Key_C:
+        case Qt::Key_L: return edited().has_value();
         case Qt::Key_Up:
         case Qt::Key_Down:
         case Qt::Key_Plus:
@@ -404,8 +422,8 @@ void FaceTool::create() {
     joinNeighbours(document_, FaceRef{id, name});
     gesture.commit();
     plane_.reset();
-    clearPreview();
     document_.select({SelectionItem{SelectionItem::Kind::Face, id, name, false}});
+    lookAgain();
 }
 
 void FaceTool::cut() {
@@ -440,36 +458,15 @@ void FaceTool::cancel() {
         edit_.reset();
         return previewPlane();
     }
+    if (brush_.on() || brush_.painting()) return brush_.cancel();
     drag_.cancel();
     plane_.reset();
     clearPreview();
 }
 
-QString FaceTool::hint() const {
-    if (drag_.busy() || overCut_) return drag_.hint();
-    if (edit_) return edit_->turns ? ToolTexts::tr("Click or Enter: the plane stands so · Type an angle · G: move · Shift: fine · Ctrl: snap · Esc: back") : ToolTexts::tr("Click or Enter: the plane lies here · Type a number · R: turn · Shift: fine · Ctrl: snap · Esc: back");
-    if (cut_) {
-        if (plane_) return ToolTexts::tr("Enter or click: cut here · G, R: move, turn · X, Y, Z: axis · Esc: cancel");
-        return ToolTexts::tr("Click: cut across · Shift+click: plane · ↑: a patch of the surface instead");
-    }
-    if (plane_) {
-        const Element* of = element();
-        const QString width = of ? lengthText(tolerance(*of)) : QString();
-        if (!refusal_.isEmpty()) return refusal_ + QStringLiteral(" · ") + ToolTexts::tr("↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
-        return ToolTexts::tr("Enter or click: make the face · G, R: move, turn · X, Y, Z: axis · ↑ ↓: tolerance (%1) · Esc: cancel").arg(width);
-    }
-    if (!refusal_.isEmpty()) return refusal_;
-    if (!existing_.empty()) return ToolTexts::tr("Click: select the joint face \"%1\"").arg(QString::fromStdString(existing_));
-    if (face_) {
-        const Element* of = element();
-        return ToolTexts::tr("Click: joint face of %n vertices", nullptr, int(face_->vertices.size())) + QStringLiteral(" · ") +
-               ToolTexts::tr("↑ ↓: tolerance (%1) · Shift+click: plane").arg(of ? lengthText(tolerance(*of)) : QString());
-    }
-    return ToolTexts::tr("Click a flat region: joint face · Shift+click: plane · Ctrl: look behind the surface");
-}
-
 void FaceTool::decorate(render::Scene& scene) const {
     drag_.decorate(scene);
+    brush_.decorate(scene);
     const Element* of = element();
     if (cut_ && section_ && of) {
         const PosedBody body(document_.session(), element_, *of);

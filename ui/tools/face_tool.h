@@ -6,6 +6,7 @@
 
 #include "ui/tools/cut_drag.h"
 #include "ui/tools/cut_preview.h"
+#include "ui/tools/face_brush.h"
 #include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
@@ -14,10 +15,10 @@ namespace imomushi {
 /// Makes joint faces: a click takes the flat region under the pointer; Shift places a plane and Enter takes what lies in it. Ctrl looks behind the
 /// surface in front, to where two elements touch. A face that meets one of a neighbour (or a flat region of its own shape there) is joined
 /// to it in the same undo step. Where the flesh has no flat region, a click cuts it across, and Enter where the plane lies; cuts that are there are selected by
-/// their rims, and dragged.
+/// their rims, and dragged. A selected face that nothing holds grows and shrinks by rings of vertices, takes the flat region under the pointer, and is painted with a brush.
 class FaceTool : public Tool {
 public:
-    explicit FaceTool(StudioDocument& document) : Tool(document), snap_(document), drag_(document) {}
+    explicit FaceTool(StudioDocument& document) : Tool(document), snap_(document), drag_(document), brush_(document) {}
     void setOptions(const ToolOptions& options) override {
         snap_.set(options.snap);
         drag_.setSnap(options.snap);
@@ -26,15 +27,16 @@ public:
     void move(const PointerEvent& e) override;
     void release(const PointerEvent& e) override;
     void leave() override {
+        brush_.leave();
         if (!plane_) clearPreview();
     }
     bool wheel(double notches, const PointerEvent& e) override;
     bool key(int key, Qt::KeyboardModifiers modifiers, const QString& text = {}) override;
     [[nodiscard]] bool wants(int key) const override;
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_.busy() || edit_; }
+    [[nodiscard]] bool busy() const override { return drag_.busy() || edit_ || brush_.painting(); }
     [[nodiscard]] bool modal() const override { return drag_.modal() || edit_; }
-    [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy(); }
+    [[nodiscard]] bool pending() const override { return plane_.has_value() || drag_.busy() || brush_.on(); }
     [[nodiscard]] QString hint() const override;
     [[nodiscard]] QString banner() const override;
     void decorate(render::Scene& scene) const override;
@@ -77,8 +79,20 @@ private:
     void movePlane(double steps);
     bool widen(int steps);
     void create();
+    /// The selected face, where the pointer is over its element and it may change.
+    [[nodiscard]] std::optional<FaceRef> edited() const;
+    void grow(int rings);
+    /// Adds the flat region under the pointer.
+    void flood();
+    /// What lies under the pointer has changed.
+    void lookAgain();
+    bool brushKey(int key);
+    bool editKey(int key, Qt::KeyboardModifiers modifiers);
+    /// What keys do with the selected face, and what an edit of a face costs; empty: nothing.
+    [[nodiscard]] QString editHint() const;
     [[nodiscard]] const Element* element() const;
     [[nodiscard]] double tolerance(const Element& element) const;
+    [[nodiscard]] Result<JointFace> flatRegion(const Element& element, std::int32_t triangle) const;
 
     PartId element_ = 0;              ///< of the preview
     std::shared_ptr<const Element> seen_;  ///< that element when the preview was made: a changed one needs a new preview
@@ -96,6 +110,7 @@ private:
     std::unique_ptr<SectionFinder> sections_;        ///< of sectioned_
     bool overCut_ = false;            ///< the pointer is over the plane of the selected cut
     CutDrag drag_;
+    FaceBrush brush_;
     std::optional<PointerEvent> last_;  ///< where keys begin
     int widened_ = 0;                 ///< tolerance = kTolerance * 2^widened of the diagonal
 };

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "ui/tools/picking.h"
+
 namespace imomushi {
 namespace {
 

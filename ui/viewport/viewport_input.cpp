@@ -104,7 +104,9 @@ void ViewportWidget::giveMove() {
 // While something is unfinished, its keys belong to the tool and not to the menu.
 bool ViewportWidget::belongsToTool(const QKeyEvent& key) const {
     const bool plain = !(key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier));
-    return (tools_.busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && tools_.tool().wants(key.key())) ||
+    // Shift may be what makes a sign of a key; of a letter it makes another shortcut.
+    const bool other = (key.modifiers() & Qt::ShiftModifier) && key.key() >= Qt::Key_A && key.key() <= Qt::Key_Z;
+    return (tools_.busy() && (plain || key.matches(QKeySequence::Undo))) || (plain && !other && tools_.tool().wants(key.key())) ||
            (tools_.tool().hasSteps() && (key.matches(QKeySequence::Undo) || isRedo(key))) || (key.key() == Qt::Key_Escape && tools_.tool().pending());
 }
 
