@@ -2196,8 +2196,8 @@
             <translation>ドラッグ：「%1」に加える · Ctrl+ドラッグ：取り除く · ホイール：半径（%2） · C か Esc：ブラシを終える</translation>
         </message>
         <message>
-            <source>“%1”: + −: larger, smaller · C: brush · L: add what is flat here</source>
-            <translation>「%1」：+ −：広く、狭く · C：ブラシ · L：ここの平らな部分を加える</translation>
+            <source>+ −: “%1” larger, smaller · C: brush · L: add what is flat here</source>
+            <translation>+ −：「%1」を広く、狭く · C：ブラシ · L：ここの平らな部分を加える</translation>
         </message>
         <message>
             <source>Touches the joint face "%1"</source>

@@ -14,7 +14,7 @@ namespace imomushi {
 /// The joint face that is selected alone, where it may become another patch: not of a handle, of a cut, joined or of a locked element.
 std::optional<FaceRef> freeFace(const StudioDocument& document);
 
-/// ", and its element has a result" as a clause of a hint: what an edit of the face costs; empty: there is none.
+/// The clause of a hint that says what an edit of a face of this element costs, where it has a result; empty: nothing.
 QString staleClause(const StudioDocument& document, PartId element);
 
 /// Paints the selected joint face larger, with Ctrl smaller: a drag over the surface takes what lies within the brush, along the surface. What it would be is shown; the face

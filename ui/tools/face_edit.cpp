@@ -69,7 +69,7 @@ bool FaceTool::brushKey(int key) {
 QString FaceTool::editHint() const {
     const auto face = edited();
     if (!face) return face_ && refusal_.isEmpty() ? staleClause(document_, element_) : QString();
-    return QStringLiteral(" · ") + ToolTexts::tr("“%1”: + −: larger, smaller · C: brush · L: add what is flat here").arg(QString::fromStdString(face->face)) + staleClause(document_, element_);
+    return QStringLiteral(" · ") + ToolTexts::tr("+ −: “%1” larger, smaller · C: brush · L: add what is flat here").arg(QString::fromStdString(face->face)) + staleClause(document_, element_);
 }
 
 QString FaceTool::hint() const {
