@@ -72,8 +72,8 @@
             <translation>名前を変更(&amp;N)</translation>
         </message>
         <message>
-            <source>Select &amp;all elements</source>
-            <translation>すべての要素を選択(&amp;A)</translation>
+            <source>Select &amp;all of this kind</source>
+            <translation>同じ種類をすべて選択(&amp;A)</translation>
         </message>
         <message>
             <source>Select &amp;none</source>
@@ -2185,7 +2185,7 @@
         </message>
         <message>
             <source>“%1” must be precomputed again then</source>
-            <translation>「%1」は事前計算をやり直すことになります</translation>
+            <translation>「%1」は前計算をやり直すことになります</translation>
         </message>
         <message>
             <source>Release: keep · Esc: take back</source>
@@ -2590,7 +2590,7 @@
         </message>
         <message>
             <source>What is scaled must be precomputed again</source>
-            <translation>拡大縮小したものは事前計算をやり直します</translation>
+            <translation>拡大縮小したものは前計算をやり直します</translation>
         </message>
         <message>
             <source>Its takes will show their poses alone</source>
@@ -7510,7 +7510,7 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Move a joint face</source>
-            <translation>関節面を変える</translation>
+            <translation>関節面を動かす</translation>
         </message>
         <message>
             <source>Move</source>

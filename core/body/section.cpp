@@ -18,6 +18,7 @@ namespace {
 constexpr double kOn = 1e-11;
 /// A cluster whose box is nearer to the plane than this, in diagonals of the body, is asked: more than rounding of its box.
 constexpr double kRounding = 1e-9;
+constexpr double kUlps = 1e-6;  // of how far the body is from the origin: its coordinates are rounded by 1e-16 of that
 constexpr std::size_t kCluster = 64;  // triangles
 /// A vertex is moved by at most this part of the smallest height around it, so that no triangle comes near to turning over.
 constexpr double kFarthestMove = 2.5 * kSnap;
@@ -80,7 +81,7 @@ public:
         // Where a cluster is on one side, with what lies on the plane by tolerance, nothing is asked of it: neither its triangles nor, over an edge on the plane, its neighbours.
         std::vector<char> seen(vertices, 0);
         for (const CutSurface::Cluster& cluster : surface.clusters) {
-            const double reach = normal_.cwiseAbs().dot(cluster.half) + kSnap * cluster.height + kRounding * surface.diagonal;
+            const double reach = normal_.cwiseAbs().dot(cluster.half) + kSnap * cluster.height + kRounding * (surface.diagonal + kUlps * cluster.middle.cwiseAbs().sum());
             if (std::abs(distanceOf(cluster.middle)) > reach) continue;
             for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
                 crossed_.push_back(surface.byPlace[i]);

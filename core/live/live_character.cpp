@@ -416,7 +416,7 @@ void LiveCharacter::followExchange(const Document& before) noexcept {
         if (!built()) return;
         // What moves goes on where no pose was exchanged: a name, a material, an effect.
         if (change.unknown || change.posing()) jumpToPose();
-        else if (change.has(&DocumentChange::takes)) leaveTake();
+        else if (change.effects || change.has(&DocumentChange::takes)) leaveTake();
     } catch (const std::exception&) {  // no memory
         drop();
     }

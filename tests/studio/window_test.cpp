@@ -158,12 +158,16 @@ TEST_CASE("work in the background that is given up: the window waits for none of
         job.cancel();
         CHECK(!job.running());
     }
+    // What is wanted now begins when they have noticed.
     job.launch([](const Progress&) {}, [&] { done += 10; });
+    CHECK(job.running());
+    {
+        const std::scoped_lock lock(mutex);
+        free = true;
+        freed.notify_all();
+    }
     waitFor([&] { return !job.running(); });
     CHECK(done == 10);
-    const std::scoped_lock lock(mutex);
-    free = true;
-    freed.notify_all();
 }
 
 TEST_CASE("work in the background that fails: it says so, and the studio lives") {

@@ -20,18 +20,11 @@ BackgroundJob::~BackgroundJob() {
     thread_.request_stop();
 }
 
-// The window waits for no thread that still works.
-void BackgroundJob::forgetEnded() {
-    std::erase_if(abandoned_, [](const auto& given) {
-        const std::scoped_lock lock(given.first->mutex);
-        return given.first->ended;
-    });
-}
-
 void BackgroundJob::launch(std::function<void(const Progress&)> work, std::function<void()> done, std::function<void()> failed) {
     cancel();
     const auto shared = std::make_shared<Shared>();
-    thread_ = std::jthread([shared, work = std::move(work)](std::stop_token stop) {
+    thread_ = std::jthread([shared, work = std::move(work), before = std::move(abandoned_)](std::stop_token stop) mutable {
+        before = {};
         std::exception_ptr failure;
         try {
             work(Progress(
@@ -64,8 +57,7 @@ void BackgroundJob::cancel() {
     running_ = false;
     timer_.stop();
     thread_.request_stop();
-    forgetEnded();
-    abandoned_.emplace_back(shared_, std::move(thread_));
+    abandoned_ = std::move(thread_);  // there is none of before: this thread waits for that
     Q_EMIT finished(false);
 }
 

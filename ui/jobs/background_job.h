@@ -7,12 +7,10 @@
 #include <QTimer>
 #include <exception>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "core/base/progress.h"
 
@@ -56,12 +54,11 @@ private:
         std::exception_ptr failure;
     };
     void poll();
-    void forgetEnded();
 
     std::shared_ptr<Shared> shared_;
     std::jthread thread_;
-    /// Threads of work that was given up, until each has noticed.
-    std::list<std::pair<std::shared_ptr<Shared>, std::jthread>> abandoned_;
+    /// Work that was given up and may not have noticed. The next work waits for it, so that one at most does work; the window waits for none.
+    std::jthread abandoned_;
     std::function<void()> done_, failed_;
     QTimer timer_;
     QElapsedTimer clock_, told_;

@@ -56,7 +56,7 @@ OutlinerModel::OutlinerModel(StudioDocument& document, QObject* parent)
     rebuild();
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         // It shows, too, whose response is out of date.
-        if (change.forResponses() || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints) || change.has(&DocumentChange::effects)) rebuild();
+        if (change.forResponses() || change.has(&DocumentChange::bones) || change.has(&DocumentChange::characters) || change.has(&DocumentChange::joints)) rebuild();
     });
     connect(&document, &StudioDocument::responsesChanged, this, &OutlinerModel::retranslate);
     connect(&document, &StudioDocument::fileChanged, this, &OutlinerModel::retranslate);
@@ -407,7 +407,10 @@ bool OutlinerModel::dropMimeData(const QMimeData* data, Qt::DropAction, int, int
 
 void OutlinerModel::toggle(const QModelIndex& index) {
     const Node& n = *node(index);
-    if (const auto of = effect(index); of && index.column() == Visible) (void)document_.execute(commands::disable(*of));
+    if (const auto of = effect(index)) {
+        if (index.column() == Visible) (void)document_.execute(commands::disable(*of));
+        return;  // its row is gone
+    }
     const auto parts = switched(n);
     if (parts.empty() || (index.column() != Visible && index.column() != Locked)) return;
     const bool hides = std::any_of(parts.begin(), parts.end(), [](const auto& of) { return of.shown.visible; });

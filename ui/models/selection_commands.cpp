@@ -20,11 +20,12 @@ using Kind = SelectionItem::Kind;
 
 namespace {
 
-/// Everything of the kind of what was selected last: bones, joint faces, cuts, or elements.
+/// Everything of the kind of what was selected last: bones, joint faces, handles, cuts, or elements.
 std::vector<SelectionItem> allAlike(const StudioDocument& document) {
     const Document& d = document.document();
     Kind kind = document.selection().empty() ? Kind::Element : document.selection().back().kind;
     if (kind == Kind::Endpoint) kind = Kind::Bone;
+    const bool handles = kind == Kind::Face && handleOf(d, document.selection().back());
     std::vector<SelectionItem> items;
     const auto add = [&](const auto& part, SelectionItem item) {
         if (shown(part).picked()) items.push_back(std::move(item));
@@ -38,7 +39,8 @@ std::vector<SelectionItem> allAlike(const StudioDocument& document) {
         for (const auto& [id, element] : d.elements) {
             if (kind != Kind::Face) add(*element, {Kind::Element, id, {}, false});
             else if (shown(*element).picked())
-                for (const JointFace& face : element->faces) add(face, {kind, id, face.name, false});
+                for (const JointFace& face : element->faces)
+                    if ((element->handleOf(face.name) != nullptr) == handles) add(face, {kind, id, face.name, false});
         }
     }
     return items;

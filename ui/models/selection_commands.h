@@ -9,7 +9,7 @@
 
 namespace imomushi {
 
-/// All of the kind that is selected (bones, joint faces, cuts; else elements) that are visible and not locked.
+/// All of the kind that is selected (bones, joint faces, handles, cuts; else elements) that are visible and not locked.
 void selectAll(StudioDocument& document);
 
 /// What is not selected, of the kind that is; visible and not locked.

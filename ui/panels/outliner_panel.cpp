@@ -10,7 +10,6 @@
 #include <QVBoxLayout>
 #include <algorithm>
 #include <functional>
-#include <iterator>
 
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
@@ -63,7 +62,7 @@ OutlinerPanel::OutlinerPanel(StudioDocument& document, QWidget* parent) : QWidge
     connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
         filter_->setFilterFixedString(text);
         tree_->expandAll();
-        });
+    });
     connect(tree_, &QTreeView::clicked, this, [this](const QModelIndex& index) { model_->toggle(filter_->mapToSource(index)); });
     connect(tree_, &QTreeView::activated, this, [this](const QModelIndex& index) {
         if (const auto effect = model_->effect(filter_->mapToSource(index))) Q_EMIT effectWanted(*effect);
@@ -139,7 +138,8 @@ void OutlinerPanel::takeSelection() {
     syncing_ = true;
     std::vector<SelectionItem> items;
     for (const QModelIndex& row : tree_->selectionModel()->selectedRows())
-        std::ranges::move(model_->items(filter_->mapToSource(row)), std::back_inserter(items));
+        for (const SelectionItem& item : model_->items(filter_->mapToSource(row)))
+            if (std::ranges::find(items, item) == items.end()) items.push_back(item);  // a face may be selected by its joint, too
     document_.select(std::move(items));
     syncing_ = false;
 }

@@ -33,7 +33,7 @@ std::optional<FaceRef> freeFace(const StudioDocument& document) {
     if (selection.size() != 1 || selection.front().kind != SelectionItem::Kind::Face) return std::nullopt;
     const FaceRef face{selection.front().part, selection.front().face};
     const auto element = d.elements.find(face.element);
-    if (element == d.elements.end() || element->second->locked || element->second->faceIndex(face.face) < 0 || !checkFree(d, face)) return std::nullopt;
+    if (element == d.elements.end() || !shown(*element->second).picked() || !shownOf(d, selection.front()).picked() || !checkFree(d, face)) return std::nullopt;
     return face;
 }
 

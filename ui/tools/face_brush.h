@@ -11,10 +11,10 @@
 
 namespace imomushi {
 
-/// The joint face that is selected alone, where it may become another patch: not of a handle, of a cut, joined or of a locked element.
+/// The joint face that is selected alone, where it may become another patch: not of a handle, of a cut, joined, locked or hidden.
 std::optional<FaceRef> freeFace(const StudioDocument& document);
 
-/// The clause of a hint that says what an edit of a face of this element costs, where it has a result; empty: nothing.
+/// A clause for a hint: the element must be precomputed again after an edit. Empty: it has no fresh result.
 QString staleClause(const StudioDocument& document, PartId element);
 
 /// Paints the selected joint face larger, with Ctrl smaller: a drag over the surface takes what lies within the brush, along the surface. What it would be is shown; the face

@@ -303,7 +303,7 @@ void FaceTool::move(const PointerEvent& e) {
 
 void FaceTool::release(const PointerEvent& e) {
     if (drag_.busy()) return drag_.release(e);
-    brush_.release();
+    if (e.button == Qt::LeftButton) brush_.release();
     if (plane_) plane_->dragging = false;
 }
 
@@ -458,7 +458,11 @@ void FaceTool::cancel() {
         edit_.reset();
         return previewPlane();
     }
-    if (brush_.on() || brush_.painting()) return brush_.cancel();
+    if (brush_.on() || brush_.painting()) {
+        brush_.cancel();
+        if (!brush_.on()) lookAgain();
+        return;
+    }
     drag_.cancel();
     plane_.reset();
     clearPreview();

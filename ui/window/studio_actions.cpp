@@ -40,7 +40,7 @@ constexpr Row kRows[] = {
     {"mirror-y", "", QT_TRANSLATE_NOOP("Actions", "Mirror &top and bottom (Y)"), ""},
     {"mirror-z", "", QT_TRANSLATE_NOOP("Actions", "Mirror &front and back (Z)"), ""},
     {"replace-mesh", "", QT_TRANSLATE_NOOP("Actions", "Replace &mesh…"), ""},
-    {"select-all", "", QT_TRANSLATE_NOOP("Actions", "Select &all elements"), "Ctrl+A"},
+    {"select-all", "", QT_TRANSLATE_NOOP("Actions", "Select &all of this kind"), "Ctrl+A"},
     {"select-none", "", QT_TRANSLATE_NOOP("Actions", "Select &none"), "Ctrl+Shift+A"},
     {"select-invert", "", QT_TRANSLATE_NOOP("Actions", "Select what &is not selected"), "Shift+I"},
     {"select-more", "", QT_TRANSLATE_NOOP("Actions", "Select what is ne&xt to it"), "Shift+G"},
