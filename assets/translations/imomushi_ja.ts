@@ -6050,6 +6050,11 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     <context>
         <name>imomushi::TakesPanel</name>
         <message>
+            <source>Stop</source>
+            <comment>recording, where there is little room</comment>
+            <translation>止める</translation>
+        </message>
+        <message>
             <source>Stop recording</source>
             <translation>記録を止める</translation>
         </message>

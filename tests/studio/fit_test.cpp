@@ -139,12 +139,22 @@ TEST_CASE("studio: at 1280 x 720 what comes next is said in whole words beside t
             CHECK(w.view().rect().contains(next->geometry()));
             // Nor is what stands where takes will be wider than there is room.
             for (const auto* bar : w.window().findChild<QDockWidget*>(QStringLiteral("takesDock"))->findChildren<QScrollBar*>()) CHECK((bar->orientation() == Qt::Vertical || !bar->isVisible()));
+            w.window().messages().offer(QStringLiteral("Cut “%1 2” from “%1” and joined them.").arg(QStringLiteral("the caterpillar of my sister")), QStringLiteral("Place bones"), [] {});
+            w.settle();
+            CHECK_MESSAGE(QTest::qWaitFor([&] { return cutOff(w.window().messages()) == ""; }), cutOff(w.window().messages()));
+            const QLabel* words = nullptr;
+            for (const auto* label : w.window().messages().findChildren<QLabel*>())
+                if (!label->text().isEmpty()) words = label;
+            const auto* offer = w.window().messages().findChild<QPushButton*>(QStringLiteral("offer"));
+            REQUIRE((words && offer));
+            CHECK(!words->geometry().intersects(offer->geometry()));
             w.shoot("next-small");
+            w.window().messages().hide();
         }
 }
 
 TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen, in both languages") {
-    Window w(kSmallest);
+    Window w(kSmallest - QSize(16, 48));  // as it opens there, with room for a frame
     w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/dragon.imomushi"));
     auto* dock = w.window().findChild<QDockWidget*>(QStringLiteral("takesDock"));
     REQUIRE(dock);
@@ -168,7 +178,7 @@ TEST_CASE("studio: at 1280 x 720 everything that plays and records takes is seen
             CAPTURE(scale);
             Appearance::instance().setLanguage(QString::fromLatin1(language));
             Appearance::instance().setScale(scale);
-            w.window().resize(kSmallest);
+            w.window().resize(kSmallest - QSize(16, 48));
             w.settle();
             CHECK_MESSAGE(QTest::qWaitFor([&] { return hidden() == ""; }), hidden());
             w.shoot("takes-narrow");

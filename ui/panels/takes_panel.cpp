@@ -146,7 +146,7 @@ void TakesPanel::takeSizes() {
 
 void TakesPanel::shareWidth() {
     const int share = model_->rowCount() > 0 ? width() / 3 : width() * 2 / 5;
-    const int least = std::max(px(180), records_->minimumSizeHint().width());  // its words and its key
+    const int least = std::max(px(width() < px(kNarrow) ? 150 : 180), records_->minimumSizeHint().width());  // its words and its key
     left_->setFixedWidth(std::clamp(share, least, std::max(least, px(290))));
 }
 
@@ -203,7 +203,8 @@ void TakesPanel::dressRecord() {
     record_->setIcon(QIcon(sign));
     const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
     const QString text = recording ? tr("Stop recording") : deck_.counting() ? tr("Starts in %1 s – stop", "a recording").arg(deck_.counting()) : tr("Record");
-    record_->setText(keys.isEmpty() || look.second ? text : QStringLiteral("%1  (%2)").arg(text, keys));
+    if (look.second) record_->setText(recording ? tr("Stop", "recording, where there is little room") : text);
+    else record_->setText(keys.isEmpty() ? text : QStringLiteral("%1  (%2)").arg(text, keys));
     record_->setAccessibleName(text);
 }
 

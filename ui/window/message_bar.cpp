@@ -11,6 +11,12 @@
 #include "ui/widgets/layouts.h"
 
 namespace imomushi {
+namespace {
+
+constexpr int kLeastWords = 120;  // of the width of a text, in pixels of the design
+constexpr int kShortWords = 240;  // beside a button
+
+}  // namespace
 
 MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     setObjectName(QStringLiteral("toast"));
@@ -18,7 +24,7 @@ MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     text_ = new QLabel(this);
     text_->setWordWrap(true);
     text_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    text_->setMinimumWidth(px(300));
+    text_->setMinimumWidth(px(kLeastWords));
     action_ = named(new QPushButton(this), "offer");
     action_->hide();
     close_ = new QToolButton(this);
@@ -26,7 +32,11 @@ MessageBar::MessageBar(QWidget* parent) : QFrame(parent) {
     close_->setIcon(themedIcon(QStringLiteral("close"), Appearance::Role::Muted));
     close_->setToolTip(tr("Close"));
     close_->setAccessibleName(tr("Close"));
-    fill(new QHBoxLayout(this), QMargins(px(14), px(9), px(8), px(9)), Spacing{px(10)}, icon_, Share{text_, 1}, action_, close_);
+    words_ = new QBoxLayout(QBoxLayout::LeftToRight);
+    words_->setSpacing(px(10));
+    words_->addWidget(text_, 1);
+    words_->addWidget(action_);
+    fill(new QHBoxLayout(this), QMargins(px(14), px(9), px(8), px(9)), Spacing{px(10)}, icon_, Share{words_, 1}, close_);
     connect(action_, &QPushButton::clicked, this, [this] {
         hide();
         if (act_) act_();
@@ -66,6 +76,13 @@ void MessageBar::withdraw(const QString& text) {
 }
 
 QString MessageBar::text() const { return text_->text(); }
+
+// The button goes below the words where it would leave them too little room.
+void MessageBar::resizeEvent(QResizeEvent* event) {
+    QFrame::resizeEvent(event);
+    const int room = width() - px(14 + 8 + 3 * 10) - icon_->sizeHint().width() - close_->sizeHint().width();
+    words_->setDirection(room - action_->sizeHint().width() < px(kShortWords) ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+}
 
 void MessageBar::enterEvent(QEnterEvent*) { timer_.stop(); }
 void MessageBar::leaveEvent(QEvent*) { timer_.start(2500); }

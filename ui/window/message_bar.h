@@ -5,6 +5,7 @@
 #include <QTimer>
 #include <functional>
 
+class QBoxLayout;
 class QLabel;
 class QPushButton;
 class QToolButton;
@@ -26,12 +27,14 @@ public:
 
 protected:
     void enterEvent(QEnterEvent* event) override;
+    void resizeEvent(QResizeEvent* event) override;
     void leaveEvent(QEvent* event) override;
     void changeEvent(QEvent* event) override;
 
 private:
     QLabel* icon_;
     QLabel* text_;
+    QBoxLayout* words_;  // the text, and beside it or below it the button
     QPushButton* action_;
     QToolButton* close_;
     std::function<void()> act_;

@@ -30,6 +30,7 @@ void Overlays::place() {
         const int width = std::min(px(corner ? 380 : 520), view_->width() - px(32));
         overlay->setFixedWidth(std::max(px(200), width));
         overlay->adjustSize();
+        if (overlay->hasHeightForWidth()) overlay->resize(overlay->width(), overlay->heightForWidth(overlay->width()));  // no more than its words need
         overlay->move(corner ? px(16) : (view_->width() - overlay->width()) / 2, bottom - overlay->height());
         covered_ ? overlay->lower() : overlay->raise();
         bottom -= overlay->height() + px(8);
