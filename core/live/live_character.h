@@ -172,7 +172,7 @@ public:
     Result<void> follow(const Document& before);
     /// Undoes what a failed command changed here. `failed`: the document as that command left it.
     void takeBack(const Document& failed) noexcept;
-    /// After undo, redo and a gesture that was cancelled: jumps to the pose.
+    /// After undo, redo, a prepared step and a gesture that was cancelled: jumps to the pose where targets or the pose differ; else what swings goes on.
     void followExchange(const Document& before) noexcept;
     /// Frees everything, after following ran out of memory. The next question builds it again.
     void drop() noexcept;

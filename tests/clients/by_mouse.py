@@ -12,9 +12,10 @@ import sys
 import time
 import xml.etree.ElementTree
 
-from studio_client import BUTTONS, FIELDS, FLAT, Atspi, Role, Studio, WAIT, clips_of, gone, headless, in_studio, name_of, said, shown, until
+from studio_client import BUTTONS, FIELDS, FLAT, Atspi, Role, WAIT, clips_of, headless, in_studio, name_of, said, shown, until
 
 WIDTH, HEIGHT = 1280, 720
+TURN = 1.5  # s: the view has turned, also where the processor draws it beside other work
 
 
 class Mouse:
@@ -75,7 +76,7 @@ class Mouse:
         for source in path:
             name = self.tr(source)
             at = until("“%s” in the menus" % name, lambda: entry(at, name))
-            if at.get_state_set().contains(Atspi.StateType.SENSITIVE) is False:
+            if not ready(at):
                 raise SystemExit("“%s” cannot be chosen now" % name)
             self.on(at)
         said("menu: " + " > ".join(path))
@@ -130,8 +131,8 @@ class Mouse:
         self.studio.type(text)
         self.studio.keys("Tab")
 
-    def dialog(self, source, *names):
-        self.studio.dialog(self.tr(source) % names if "%s" in source else self.tr(source).replace("%1", *names) if names else self.tr(source))
+    def dialog(self, source, name=""):
+        self.studio.dialog(self.tr(source).replace("%1", name))
 
     def hint(self, source):
         """Waits until the status bar says this first."""
@@ -151,7 +152,7 @@ class Mouse:
 
     def until_settled(self):
         until("nothing is worked on", lambda: len(self.studio.windows()) == 1)
-        time.sleep(0.8)
+        time.sleep(TURN)
 
     # ---- the view ----
 
@@ -179,14 +180,17 @@ class Mouse:
     def seek(self, source, name, along):
         """Moves the pointer along places until the view says that this is under it, and on to the middle of where it says so. Answers that place. `name`: a regular expression."""
         wanted = re.compile(re.escape(self.tr(source)).replace("%1", name))
-        first = None
-        for place in along:
-            self.to(*place)
-            time.sleep(0.05)
-            if wanted.fullmatch(self.under()):
-                first = first or place
-                last = place
-            elif first:
+        places, first = list(along), None
+        for patience in (0.05, 0.3):  # s; a busy machine says it late
+            for place in places:
+                self.to(*place)
+                time.sleep(patience)
+                if wanted.fullmatch(self.under()):
+                    first = first or place
+                    last = place
+                elif first:
+                    break
+            if first:
                 break
         if not first:
             raise SystemExit("The view never says “%s”; at last “%s”" % (wanted.pattern, self.view().get_description()))
@@ -265,7 +269,7 @@ def session(mouse, folder):
 
     # Joint faces on both ends, seen from there; the second way there is the ball of axes.
     mouse.menu("&View", "Front")
-    time.sleep(0.8)
+    time.sleep(TURN)
     corner = mouse.view().get_extents(Atspi.CoordType.SCREEN)
     mouse.click(corner.x + 30, corner.y + 30)  # nothing is selected: the plane of the cut is out of the way
     mouse.tool("Joint &face")
@@ -273,9 +277,9 @@ def session(mouse, folder):
     mouse.click(*mouse.middle(mouse.view()))
     mouse.name("face 1", "nose")
     mouse.menu("&View", "Right")
-    time.sleep(0.8)
+    time.sleep(TURN)
     mouse.click(*mouse.ball(1, 0))
-    time.sleep(0.8)
+    time.sleep(TURN)
     mouse.clear()
     mouse.keep("behind")
     mouse.click(*mouse.middle(mouse.view()))
@@ -284,7 +288,7 @@ def session(mouse, folder):
     # Bones from the tail over the cut to the nose, and the longest that one becomes.
     mouse.menu("&View", "Right")
     mouse.menu("&View", "Frame &all")
-    time.sleep(0.8)
+    time.sleep(TURN)
     mouse.to(*mouse.middle(mouse.view()))
     studio.xdotool("click", "--repeat", "3", "--delay", "60", "5")  # smaller, so that nothing lies under the ball of axes
     time.sleep(0.4)

@@ -86,7 +86,6 @@ class Studio:
                                 QT_LINUX_ACCESSIBILITY_ALWAYS_ON="1", LIBGL_ALWAYS_SOFTWARE="1", LP_NUM_THREADS="0")
         self.process = subprocess.Popen([program], env=self.environment, cwd=folder)
         self.app = until("the studio on the accessibility bus", self.found)
-        self.window = ""
         until("its window", lambda: self.windows())
 
     def found(self):
