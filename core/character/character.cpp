@@ -99,9 +99,9 @@ Character::~Character() = default;
 
 const CharacterInput& Character::input() const { return state_->frame.input; }
 
-InverseKinematics::Report Character::solvePose(const std::vector<IkGoal>& goals, Pose& pose) {
+InverseKinematics::Report Character::solvePose(const std::vector<IkGoal>& goals, Pose& pose, double seconds) {
     const auto start = std::chrono::steady_clock::now();
-    const auto report = state_->kinematics.solve(goals, pose);
+    const auto report = state_->kinematics.solve(goals, pose, seconds);
     state_->solveWarnings = (report.outOfReach ? static_cast<unsigned>(FrameWarning::TargetOutOfReach) : 0u) |
                             (report.finite ? 0u : static_cast<unsigned>(FrameWarning::PoseRefused));
     state_->frame.stats.poseMs = milliseconds(start, std::chrono::steady_clock::now());

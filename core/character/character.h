@@ -97,8 +97,8 @@ public:
 
     [[nodiscard]] const CharacterInput& input() const;
 
-    /// Inverse kinematics from `pose` towards `goals`, in place.
-    InverseKinematics::Report solvePose(const std::vector<IkGoal>& goals, Pose& pose);
+    /// A frame of inverse kinematics, of so many seconds, from `pose` towards `goals`, in place.
+    InverseKinematics::Report solvePose(const std::vector<IkGoal>& goals, Pose& pose, double seconds = InverseKinematics::kUsualFrame);
 
     /// Deforms all elements to `pose`. Elements whose v did not change are moved as they are, after one more evaluation in the first such frame; those that
     /// did not move either are left alone. `seconds` passed since the last update(), for effects that have a past; 0: none, what oscillates stays at its phase.

@@ -23,7 +23,7 @@ constexpr int kLiftsOfFrame = 4;
 constexpr std::size_t kFramesOfStretch = 1 << 16;
 /// Inputs there, of which the script keeps all: an hour of one hand, some minutes of a face and a body. With more of them there is no script.
 constexpr std::size_t kMostInputsOfStretch = 1 << 18;
-/// A pose whose points move less than this part of the skeleton in a frame has come as near as it can.
+/// A pose whose points move less than this part of the skeleton in 1/60 s has come as near as it can.
 constexpr double kAtRest = 1e-6;
 
 /// Flesh that met in the last frame is in the effect of the document from now on: no step of the history, as it passes with time. True: then the character must be built anew.
@@ -177,7 +177,7 @@ void LiveCharacter::stepOn(double seconds) {
     bool converged = true;
     // What is converged is not solved again: it would go on changing by rounding, and nothing would ever rest.
     if (!goals_.empty() && !(poseConverged_ && goals_ == convergedGoals_)) {
-        converged = poseConverged_ = character_->solvePose(goals_, ownPose()).converged;
+        converged = poseConverged_ = character_->solvePose(goals_, ownPose(), seconds).converged;
         convergedGoals_ = goals_;
     }
     if (!positions_.empty()) positions_.clear();
@@ -209,7 +209,7 @@ void LiveCharacter::stepOn(double seconds) {
         moved = std::max(moved, (points[i] - pointsBefore_[i]).norm());
         size = std::max(size, (points[i] - points[0]).norm());
     }
-    approaching_ = approaching_ && !(moved <= kAtRest * size);
+    approaching_ = approaching_ && !(moved <= kAtRest * std::min(60.0 * seconds, 1.0) * size);
     recordFrame(seconds);
 }
 

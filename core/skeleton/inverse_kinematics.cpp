@@ -2,6 +2,7 @@
 #include "core/skeleton/inverse_kinematics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,32 +18,47 @@ using Eigen::Quaterniond;
 namespace {
 
 constexpr double kTorn = 0.1;  // rest lengths beyond its stretch limits: farther than solve() ever stretches a bone
-// Viscosity: resistance of a joint point to a move of one mean bone length in one step, while targets move. Once they rest it is halved per solve() down to
-// kMinViscosity, so that the pose converges to a minimum. When held points have not approached their targets for kPatience solves, it quadruples per
-// solve() instead: the frames of roots carry no torque, so a body that hangs between two holds could turn for ever.
+// What follows is for frames of 1/60 s; "tick" is such a time. State::solve() makes rates of it: a frame of another length has its part of the steps, and each step takes as much time.
+// Not rates, as they are no motion but numerics: limits of one linearised step and of its line search, the least viscosity, which keeps the system regular.
+// Viscosity: resistance of a joint point to a move of one mean bone length in one step, while targets move. Once they rest it is halved per tick down to
+// kMinViscosity, so that the pose converges to a minimum. When held points have not approached their targets for kPatience ticks, it quadruples per
+// tick instead: the frames of roots carry no torque, so a body that hangs between two holds could turn for ever.
 constexpr double kViscosity = 0.1;
 constexpr double kMinViscosity = 1e-5;
-constexpr int kPatience = 40;
-constexpr double kNearer = 1e-3;  // mean bone lengths per solve(): a smaller approach counts as none
+constexpr double kPatience = 40.0;
+constexpr double kNearer = 1e-3;  // mean bone lengths per tick: a smaller approach counts as none
 // One linearised step turns no bone farther (radians) and moves no point farther (mean bone lengths).
 constexpr double kStepTurn = 0.35;
 constexpr double kStepMove = 0.3;
-constexpr int kSteps = 4;        // per solve(), when targets move little
-constexpr int kQuietSteps = 12;  // per solve(), when targets rest and the pose has not converged
-constexpr int kMaxSteps = 120;  // per solve(), after a large move
+constexpr int kSteps = 4;        // per tick, when targets move little
+constexpr int kQuietSteps = 12;  // per tick, when targets rest and the pose has not converged
+constexpr int kMaxSteps = 120;  // per tick, after a large move
 constexpr int kHalvings = 12;    // of a step in its line search
 constexpr int kRaises = 6;       // of the damping in one solve()
 constexpr double kRaise = 6.0;   // factor of each
-constexpr double kConvergedMove = 1e-6;  // mean bone lengths per solve()
-constexpr double kConvergedTurn = 1e-6;  // radians per solve()
+constexpr double kConvergedMove = 1e-6;  // mean bone lengths per tick
+constexpr double kConvergedTurn = 1e-6;  // radians per tick
 constexpr double kMiss = 1e-4;         // mean bone lengths: farther from its target a point is out of reach
-// The part of their twist by which roots turn back per solve(), while targets move and at rest.
+// The part of their twist by which roots turn back per tick, while targets move and at rest.
 constexpr double kRootReturn = 0.1;
 constexpr double kRootReturnAtRest = 0.6;
 // Pins nearer to each other than this part of a mean bone say no direction; nor do those that agree with no turn of their places at rest by more than this part (1: all do).
 constexpr double kStands = 0.1;
 // Targets farther away than this many sizes of the skeleton are approached as if they were that far: keeps squares finite.
 constexpr double kFarthest = 1e6;
+// Frames, in ticks. A longer one would have room for a jump, and where steps count as fewer than that, rounding would.
+constexpr std::size_t kFramesOfTick = 64;
+constexpr double kShortestFrame = 1.0 / kFramesOfTick, kLongestFrame = 4.0;
+static_assert(InverseKinematics::kUsualFrame * 60.0 == 1.0);  // one tick, to the bit
+
+// value * 2^times, to the bit where it is a whole number of times.
+double doubled(double value, double times) {
+    const double whole = std::floor(times);
+    return std::ldexp(times == whole ? value : value * std::exp2(times - whole), static_cast<int>(whole));
+}
+
+// What of a part per tick is due in so many ticks.
+double partIn(double ticks, double part) { return ticks == 1.0 ? part : 1.0 - std::pow(1.0 - part, ticks); }
 
 // The length of a finite vector without overflow: at most 1e150.
 double safeNorm(const Vec3& v) {
@@ -110,7 +126,8 @@ struct InverseKinematics::State {
         return false;
     }
 
-    Report solve(const std::vector<IkGoal>& goals, Pose& pose) {
+    Report solve(const std::vector<IkGoal>& goals, Pose& pose, double seconds) {
+        const double ticks = std::clamp(60.0 * seconds, kShortestFrame, kLongestFrame);
         Report report;
         if (pose.points.size() != x.size() || pose.frames.size() != frames.size() || pose.roll.size() != x.size()) pose = restPose(skeleton());
         bool usable = fits(skeleton(), pose);
@@ -147,7 +164,13 @@ struct InverseKinematics::State {
             moved = std::max(moved, std::min(safeNorm(targets.place[i] - (known ? lastTarget[i] : pose.points[i])), kFarthest * rods.size()));
         }
         const bool sameHolds = continued && targets.held == lastHeld;
-        solvesAtRest = sameHolds && moved <= 1e-9 * rods.unit() ? solvesAtRest + 1 : 0;
+        // Targets rest where a whole tick brings no move: mice say less often where they are than short frames ask.
+        const bool moves = !(sameHolds && moved <= 1e-9 * rods.unit()), rests = !moves && openTicks <= kShortestFrame * 0.5;
+        restTicks = rests ? restTicks + ticks : 0.0;
+        lately[frame++ % kFramesOfTick] = moved;
+        double movedInTick = moved;
+        const auto framesOfTick = static_cast<std::size_t>(std::max(1l, std::lround(1.0 / ticks)));
+        for (std::size_t i = 2; i <= framesOfTick; ++i) movedInTick += lately[(frame - i) % kFramesOfTick];
         lastHeld = targets.held;
         lastTarget = targets.place;
         if (goals.empty()) {
@@ -159,21 +182,34 @@ struct InverseKinematics::State {
         rods.setNatural(squash.update(targets, x, continued));
         rods.transport(x, pose.frames, startFrames);
         frames = startFrames;
-        if (solvesAtRest == 0) {
+        if (moves) {
             anchor = x;
             anchorFrames = frames;
-            radius = kMotionGain * moved + kTrustRadius * rods.unit();
+            // The room of a whole tick is given, however short the frame is in which a target moves last.
+            openTicks = std::max(1.0 - ticks, 0.0);
+            owed = openTicks > 0.0 ? kMotionGain * (movedInTick - moved) + kTrustRadius * openTicks * rods.unit() : 0.0;
+            radius = kMotionGain * moved + kTrustRadius * ticks * rods.unit();
             rootRadius = 0.5 * radius;
-            stalledSolves = 0;
+            stalledTicks = 0.0;
             gain = 0.0;
             leastMiss = std::numeric_limits<double>::max();
-        } else if (const bool torn = beyondStretchLimits(); torn || (leastMiss > kMiss * rods.unit() && gain > kNearer * rods.unit())) {
-            radius += kTrustRadius * rods.unit();
-            if (torn) stalledSolves = 0;
+        } else if (!rests) {
+            const double more = ticks < openTicks ? owed * ticks / openTicks : owed;
+            openTicks = std::max(openTicks - ticks, 0.0);
+            owed -= more;
+            radius += more;
+            rootRadius += 0.5 * more;
+        } else if (const bool torn = beyondStretchLimits(); torn || (leastMiss > kMiss * rods.unit() && gain > kNearer * ticks * rods.unit())) {
+            radius += kTrustRadius * ticks * rods.unit();
+            if (torn) stalledTicks = 0.0;
         }
-        const double hardening = std::ldexp(1.0, std::clamp(2 * (stalledSolves - kPatience), 0, 100));
-        const double viscosity = std::max(std::ldexp(kViscosity, -std::min(solvesAtRest, 60)), kMinViscosity) * hardening;
-        const int steps = solvesAtRest ? kQuietSteps : static_cast<int>(std::min(kSteps + radius / (0.5 * kStepMove * rods.unit()), double(kMaxSteps)));
+        const double hardening = doubled(1.0, std::clamp(2.0 * (stalledTicks - kPatience), 0.0, 100.0));
+        // As many steps as a tick would have in which targets move as fast.
+        const double room = ticks < 1.0 ? kMotionGain * movedInTick + kTrustRadius * rods.unit() : radius / ticks;
+        const int stepsOfTick = rests ? kQuietSteps : static_cast<int>(std::min(kSteps + room / (0.5 * kStepMove * rods.unit()), double(kMaxSteps)));
+        const int steps = std::max(1, static_cast<int>(std::lround(stepsOfTick * ticks)));
+        const double ticksOfStep = stepsOfTick * ticks / steps;  // 1 where it comes out even
+        const double viscosity = std::max(doubled(kViscosity, -std::min(restTicks, 60.0)) / ticksOfStep, kMinViscosity) * hardening;
 
         bool limited = false;
         double damping = viscosity;
@@ -219,7 +255,7 @@ struct InverseKinematics::State {
             frames.swap(trialFrames);
         }
 
-        untwistRoots((solvesAtRest ? kRootReturnAtRest : kRootReturn) / hardening);
+        untwistRoots(partIn(ticks, rests ? kRootReturnAtRest : kRootReturn) / hardening);
         double change = 0.0, turn = 0.0, miss = 0.0, misses = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) change = std::max(change, safeNorm(x[i] - pose.points[i]));
         for (std::size_t b = 0; b < frames.size(); ++b) turn = std::max(turn, (frames[b].coeffs() - pose.frames[b].coeffs()).norm());
@@ -235,10 +271,11 @@ struct InverseKinematics::State {
             misses += safeNorm(pose.points[goal.point] - targets.place[goal.point]);
         }
         report.largestMiss = miss;
-        stalledSolves = misses < leastMiss - kNearer * rods.unit() ? 0 : stalledSolves + 1;
-        gain = solvesAtRest == 0 ? misses : leastMiss - misses;
+        stalledTicks = misses < leastMiss - kNearer * ticks * rods.unit() ? 0.0 : stalledTicks + ticks;
+        gain = rests ? leastMiss - misses : misses;
         leastMiss = std::min(leastMiss, misses);
-        report.converged = report.finite && change <= kConvergedMove * rods.unit() && turn <= kConvergedTurn;
+        const double settled = std::min(ticks, 1.0);  // no coarser where frames are long
+        report.converged = report.finite && change <= kConvergedMove * settled * rods.unit() && turn <= kConvergedTurn * settled;
         report.outOfReach = miss > kMiss * rods.unit() && !limited && change <= 0.5 * radius;
         return report;
     }
@@ -319,8 +356,12 @@ struct InverseKinematics::State {
     IkTargets targets;
     std::vector<char> lastHeld;
     std::vector<Vec3> lastTarget, lastPoints;
-    int solvesAtRest = 0;      // since a target moved
-    int stalledSolves = 0;     // since a held point approached its target
+    double restTicks = 0.0;    // since targets rest
+    double stalledTicks = 0.0; // since a held point approached its target
+    std::array<double, kFramesOfTick> lately{};  // m, moves of targets
+    std::size_t frame = kFramesOfTick;           // how many were solved, and so many more
+    double openTicks = 0.0;    // in which a target that moves counts as moving on
+    double owed = 0.0;         // m, room about the anchors that is given in these
     double leastMiss = 0.0;    // m, sum over the held points
     double gain = 0.0;         // m, by which the last solve() brought held points nearer
     double radius = 0.0;       // m, of the trust region about the anchors
@@ -337,8 +378,8 @@ InverseKinematics::InverseKinematics(InverseKinematics&&) noexcept = default;
 InverseKinematics& InverseKinematics::operator=(InverseKinematics&&) noexcept = default;
 InverseKinematics::~InverseKinematics() = default;
 
-InverseKinematics::Report InverseKinematics::solve(const std::vector<IkGoal>& goals, Pose& pose) {
-    return state_->solve(goals, pose);
+InverseKinematics::Report InverseKinematics::solve(const std::vector<IkGoal>& goals, Pose& pose, double seconds) {
+    return state_->solve(goals, pose, seconds);
 }
 
 }  // namespace imomushi

@@ -474,7 +474,8 @@ TEST_CASE("joint dynamics: flesh at a joint lags behind a quick turn, jiggles an
     const double amplitude = at60.rowwise().norm().maxCoeff();
     const double difference = (perform(240.0) - at60).rowwise().norm().maxCoeff();
     CAPTURE(difference / amplitude);
-    CHECK(difference < 0.02 * amplitude);
+    // At 60 Hz a hand moves in steps of 1/60 s, before the flesh does: bones are up to half a step ahead.
+    CHECK(difference < 0.03 * amplitude);
 }
 
 TEST_CASE("effects: a drag between frames stops nothing that swings or breathes") {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 
 #include "core/skeleton/axial_squash.h"
 #include "core/skeleton/bone_tree.h"
@@ -49,6 +50,16 @@ int settle(InverseKinematics& ik, const std::vector<IkGoal>& goals, Pose& pose, 
         if (report.converged) return i;
     }
     return most + 1;
+}
+
+// Within four seconds; where frames are so long that these are few, as many as that has at 60 Hz.
+bool settleIn(InverseKinematics& ik, const std::vector<IkGoal>& goals, Pose& pose, InverseKinematics::Report& report, double seconds) {
+    const int most = static_cast<int>(std::min(4.0 / seconds, 16000.0)) + 240;
+    for (int i = 0; i < most; ++i) {
+        report = ik.solve(goals, pose, seconds);
+        if (report.converged) return true;
+    }
+    return false;
 }
 
 double largestMove(const Pose& a, const Pose& b) {
@@ -574,5 +585,83 @@ TEST_CASE("inverse kinematics: a bone that points away from the direction that i
         CHECK(settle(ik, {{0, Vec3::Zero(), false, 0.0, true, 0, turn}, {4, turn * Vec3(4, 0, 0)}}, pose, report) <= 200);
         CHECK((pose.points[1] - pose.points[0]).normalized().dot(turn * Vec3::UnitX()) > std::cos(M_PI / 180.0));
         CHECK(report.largestMiss < 1e-5);
+    }
+}
+
+TEST_CASE("inverse kinematics: a drag goes the same way at 60, 120 and 240 frames a second, not only to the same end") {
+    constexpr double kDrag = 0.5;                             // s, along an arc
+    constexpr double kLooks[] = {0.1, 0.2, 0.3, 0.5, 1.5};    // s: on the way, at its end, and at rest
+    struct Drag {
+        const char* what;
+        Skeleton skeleton;
+        int end;
+        double far;
+        bool pinned;
+    };
+    const Drag drags[] = {{"a pinned chain", chain(8), 8, 2.0, true},
+                          {"a chain that trails", chain(8), 8, 2.0, false},
+                          {"an arm of a pinned octopus", octopus(6, 4), 5, 1.0, true},
+                          {"an octopus that follows its arm", octopus(6, 4), 5, 1.0, false}};
+    for (const Drag& drag : drags) {
+        const std::string what = drag.what;
+        CAPTURE(what);
+        const Skeleton& s = drag.skeleton;
+        const auto target = [&](double seconds) {
+            const double angle = 0.5 * M_PI * std::min(1.0, seconds / kDrag);
+            return Vec3(s.points[static_cast<std::size_t>(drag.end)] + drag.far * (Vec3(std::cos(angle) - 1.0, 0, 0) + std::sin(angle) * Vec3(0, 0.6, 0.8)));
+        };
+        // All points at these times; `step`: what each frame is said to last, in s.
+        const auto way = [&](int hertz, double step) {
+            InverseKinematics ik(s);
+            Pose pose = restPose(s);
+            std::vector<Pose> seen;
+            for (int i = 1; seen.size() < std::size(kLooks); ++i) {
+                std::vector<IkGoal> goals = {{drag.end, target(double(i) / hertz)}};
+                if (drag.pinned) goals.push_back({0, s.points[0]});
+                REQUIRE(ik.solve(goals, pose, step).finite);
+                if (std::abs(i - kLooks[seen.size()] * hertz) < 0.5) seen.push_back(pose);
+            }
+            return seen;
+        };
+        const auto usual = way(60, 1.0 / 60.0);
+        for (const int hertz : {120, 240}) {
+            CAPTURE(hertz);
+            const auto now = way(hertz, 1.0 / hertz), perCall = way(hertz, 1.0 / 60.0);
+            // A frame of 1/60 s brings at once what shorter ones bring bit by bit: half of its way, on average.
+            const double bound = 0.5 * (target(1.0 / 60.0) - target(0.0)).norm();
+            double off = 0.0, was = 0.0;
+            for (std::size_t k = 0; k < std::size(kLooks); ++k) {
+                CAPTURE(kLooks[k]);
+                CHECK(largestMove(usual[k], now[k]) <= bound);
+                off = std::max(off, largestMove(usual[k], now[k]));
+                was = std::max(was, largestMove(usual[k], perCall[k]));
+            }
+            MESSAGE(what << ", " << hertz << " Hz: at most " << off << " of a bone beside the way at 60 Hz; with constants per frame " << was);
+        }
+    }
+}
+
+TEST_CASE("inverse kinematics: frames of any length settle, and mouse moves that come more seldom than frames lead the same way") {
+    const Skeleton s = octopus(6, 4);
+    for (const double seconds : {1e-16, 1.0 / 1000.0, 1.0 / 240.0, 1.0 / 144.0, 1.0 / 50.0, 1.0 / 30.0, 0.5, 10.0}) {
+        CAPTURE(seconds);
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        InverseKinematics::Report report;
+        CHECK(settleIn(ik, {{0, s.points[0]}, {5, s.points[5] + Vec3(-1.0, 0.6, 0.8)}}, pose, report, seconds));
+        CHECK(report.largestMiss < 1e-5);
+        checkFramesFollowBones(s, pose);
+    }
+    const auto dragged = [&](int framesOfMove) {
+        InverseKinematics ik(s);
+        Pose pose = restPose(s);
+        for (int move = 1; move <= 30; ++move)
+            for (int i = 0; i < framesOfMove; ++i) ik.solve({{0, s.points[0]}, {5, s.points[5] + move / 30.0 * Vec3(-1.0, 0.6, 0.8)}}, pose, 1.0 / 60.0 / framesOfMove);
+        return pose;
+    };
+    const Pose usual = dragged(1);
+    for (const int frames : {2, 4}) {
+        MESSAGE(frames << " frames of each move: " << largestMove(usual, dragged(frames)) << " of a bone beside one");
+        CHECK(largestMove(usual, dragged(frames)) <= std::sqrt(2.0) / 30.0);
     }
 }
