@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <ctime>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/headless/live_performance.h"
 #include "core/document/command_support.h"
@@ -24,6 +26,8 @@ namespace {
 using Clock = InputListener::Clock;
 
 constexpr double kLongestLive = 86400.0;  // s
+/// Whoever sleeps asks so often whether it is over, s.
+constexpr double kLongestSleep = 1.0;
 
 /// Of a source that nobody needs.
 class SilentPort final : public InputPort {
@@ -146,18 +150,40 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
         performance.cancel();
         return tl::unexpected(error);
     };
+    std::optional<Clock::time_point> first;
+    const auto heardSome = [&](std::size_t i, std::int64_t nanoseconds, std::span<const std::byte> packet) {
+        if (!first) first = start + std::chrono::nanoseconds(nanoseconds);
+        if (recording) recording->packet(i, nanoseconds, packet);
+        performance.take(i, nanoseconds, packet, [&] { listener.answerList(i, [&] { return nameMessages(access.document()); }); });
+    };
+    // Sleeps where no step would change anything, until something comes. False: nothing has, and it may sleep on.
+    const auto sleep = [&] {
+        const std::size_t most = std::min({performance.restingSteps(), frames - performance.steps(), static_cast<std::size_t>(std::ceil(kLongestSleep / stepSeconds))});
+        if (most == 0) return true;
+        const auto rest = [&](std::size_t steps) {
+            if (steps == 0) return;
+            performance.rest(steps);
+            if (recording) recording->rest(steps);
+            until += static_cast<Clock::duration::rep>(steps) * stepTime;
+        };
+        bool woken = false;
+        listener.hear(start, until + static_cast<Clock::duration::rep>(most) * stepTime, [&] { return woken || Interruption::came(); }, [&](std::size_t i, std::int64_t nanoseconds, std::span<const std::byte> packet) {
+            // The step that takes it is the next one in time with those before.
+            if (!std::exchange(woken, true)) rest(std::min(most, static_cast<std::size_t>(std::max<Clock::duration::rep>(0, (Clock::now() - until) / stepTime))));
+            heardSome(i, nanoseconds, packet);
+        });
+        if (!woken && !Interruption::came()) rest(most);
+        return woken;
+    };
     while (performance.steps() < frames && !Interruption::came() && !progress.cancelled()) {
+        first.reset();
+        if (!sleep()) continue;
         until += stepTime;
         if (const auto now = Clock::now(); now > until + stepTime) {
             ++late;
             until = now;
         }
-        std::optional<Clock::time_point> first;
-        listener.hear(start, until, Interruption::came, [&](std::size_t i, std::int64_t nanoseconds, std::span<const std::byte> packet) {
-            if (!first) first = start + std::chrono::nanoseconds(nanoseconds);
-            if (recording) recording->packet(i, nanoseconds, packet);
-            performance.take(i, nanoseconds, packet, [&] { listener.answerList(i, [&] { return nameMessages(access.document()); }); });
-        });
+        listener.hear(start, until, Interruption::came, heardSome);
         const Clock::time_point began = Clock::now();
         const double used = processorMilliseconds();
         if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
@@ -192,8 +218,13 @@ Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress
         return tl::unexpected(error);
     };
     auto packet = inputs.packets.begin();
+    auto rest = inputs.rests.begin();
     while (performance.steps() < inputs.steps) {
         if (progress.cancelled()) return failed({kCancelled, "Replaying was cancelled."});
+        if (rest != inputs.rests.end() && rest->step == performance.steps()) {
+            performance.rest(rest++->count);
+            continue;
+        }
         for (; packet != inputs.packets.end() && packet->step == performance.steps(); ++packet) performance.take(packet->source, packet->nanoseconds, inputs.bytesOf(*packet));
         if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
     }

@@ -2,6 +2,8 @@
 #include "app/headless/live_performance.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "core/base/try.h"
@@ -62,6 +64,17 @@ Result<void> LivePerformance::step(const Progress& progress) {
     return pressWhatMet(*access_, known_, met_, progress);
 }
 
+std::size_t LivePerformance::restingSteps() const {
+    if (access_->live.inMotion()) return 0;
+    return static_cast<std::size_t>(std::min(driver_.rests() / seconds_, static_cast<double>(std::numeric_limits<std::uint32_t>::max())));
+}
+
+void LivePerformance::rest(std::size_t steps) {
+    driver_.pass(static_cast<double>(steps) * seconds_);
+    steps_ += steps;
+    rested_ += steps;
+}
+
 Result<Json> LivePerformance::execute(const Json& command, const Progress& progress) {
     if (!std::exchange(changed_, true)) access_->beginStep();
     return access_->execute(command, progress);
@@ -84,7 +97,7 @@ Result<Json> LivePerformance::end(const Progress& progress) {
         if (auto ok = execute(leavingOf(access_->session, input), progress); !ok) return tl::unexpected(ok.error());
     if (changed_) access_->endStep({"live", {}});
     access_->changedPose();
-    Json answer{{"frames", steps_}, {"seconds", static_cast<double>(steps_) * seconds_}, {"sources", Json::array()}};
+    Json answer{{"frames", steps_}, {"rested", rested_}, {"seconds", static_cast<double>(steps_) * seconds_}, {"sources", Json::array()}};
     for (std::size_t i = 0; i < sources_.size(); ++i) {
         const InputCounts& counts = decoders_[i]->counts();
         answer["sources"].push_back({{"name", sources_[i].name}, {"protocol", protocolName(sources_[i].protocol)}, {"packets", counts.packets}, {"values", counts.values}, {"ignored", counts.ignored}, {"malformed", counts.malformed}});

@@ -24,11 +24,15 @@ public:
     void take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes, const std::function<void()>& asked = {});
     /// After an error only cancel() may follow. Errors: those of the command "drag", of pressWhatMet().
     Result<void> step(const Progress& progress);
+    /// How many steps from now on would change nothing, if nothing came.
+    [[nodiscard]] std::size_t restingSteps() const;
+    /// So many of these are left out.
+    void rest(std::size_t steps);
     /// Leaves what was driven in the document, as one step. Errors: those of "drag" and "morph".
     Result<Json> end(const Progress& progress);
     /// Takes back what it did.
     void cancel() noexcept;
-    [[nodiscard]] std::size_t steps() const { return steps_; }
+    [[nodiscard]] std::size_t steps() const { return steps_; }  ///< with those that were left out
 
 private:
     LivePerformance(SessionAccess& access, std::vector<RawSource> sources, double seconds, InputDriver driver);
@@ -43,7 +47,7 @@ private:
     InputTriggers triggers_;
     std::vector<MappedTarget> happens_;  // by row of these
     double seconds_;
-    std::size_t steps_ = 0;
+    std::size_t steps_ = 0, rested_ = 0;  // of these
     bool changed_ = false;           // a command was executed
     std::vector<LiveInput> driven_;  // what was moved so far, as it is
     std::set<PartId> known_;         // elements that had met

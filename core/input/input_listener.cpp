@@ -21,7 +21,7 @@ void InputListener::hear(Clock::time_point start, Clock::time_point until, const
     std::ranges::fill(left_, kMostPackets);
     for (bool again = true; again;) {
         InputPort::wait(ports_, until);
-        again = Clock::now() < until && !over();
+        again = Clock::now() < until;
         for (std::size_t i = 0; i < ports_.size(); ++i)
             for (; left_[i] > 0; --left_[i]) {
                 const auto size = ports_[i]->take(room_);
@@ -32,6 +32,7 @@ void InputListener::hear(Clock::time_point start, Clock::time_point until, const
                 }
                 take(i, std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start).count(), std::span(room_).first(*size));
             }
+        again = again && !over();
         // A port with more would be ready at once, again and again.
         if (std::ranges::any_of(left_, [](int left) { return left == 0; })) {
             std::this_thread::sleep_until(until);

@@ -2,6 +2,8 @@
 #include "core/input/input_mapper.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/input/input_triggers.h"
@@ -30,7 +32,7 @@ bool InputMapper::take(const InputValue& value) {
         const int component = rows_[listener.row].component;
         if (value.gone && value.source == sources_[listener.row] && value.channel == channels_[listener.row]) {
             Heard& heard = heard_[listener.row];
-            heard.gone = taken = true;
+            heard.gone = taken = touched_ = true;
             heard.fresh = false;
             continue;
         }
@@ -45,13 +47,14 @@ bool InputMapper::take(const InputValue& value) {
             else if (part > 0.5 && !std::exchange(heard.pressed, true)) heard.on = !heard.on;
             heard.meant = heard.on ? row.curve.inHigh : row.curve.inLow;
         }
-        heard.fresh = taken = true;
+        heard.fresh = taken = touched_ = true;
         ++heard.count;
     }
     return taken;
 }
 
 void InputMapper::step(double seconds) {
+    touched_ = false;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const InputRow& row = rows_[r];
         Heard& heard = heard_[r];
@@ -103,7 +106,28 @@ void InputMapper::step(double seconds) {
     }
 }
 
+double InputMapper::rests() const {
+    if (touched_) return 0.0;
+    double most = std::numeric_limits<double>::infinity();
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        const InputRow& row = rows_[r];
+        const Heard& heard = heard_[r];
+        if (!heard.known) continue;
+        if (row.filter.hertz > 0.0 && std::abs(heard.filtered.value() - heard.meant) > kArrived * std::abs(row.curve.inHigh - row.curve.inLow)) return 0.0;
+        if (!heard.sprung.rests()) return 0.0;
+        if (row.after > 0.0 && !heard.silent) most = std::min(most, std::max(0.0, row.after - heard.age));
+    }
+    const bool glides = std::ranges::any_of(slots_, [](const Slot& slot) { return !slot.byHand && slot.driver != -1 && slot.passed < slot.length; });
+    return glides ? 0.0 : most;
+}
+
+void InputMapper::pass(double seconds) {
+    for (Heard& heard : heard_)
+        if (heard.known) heard.age += seconds;
+}
+
 void InputMapper::letGo() {
+    touched_ = true;
     for (Heard& heard : heard_) heard.known = heard.fresh = heard.gone = heard.silent = heard.returned = heard.pressed = heard.on = false;
     for (Slot& slot : slots_) {
         slot.from = slot.shown;
@@ -117,6 +141,7 @@ void InputMapper::setByHand(int index, bool byHand, double shown) {
     Slot& slot = slots_[static_cast<std::size_t>(index)];
     slot.byHand = byHand;
     slot.shown = slot.from = shown;
+    touched_ = true;
     slot.driver = -1;  // who drives it next begins from there
 }
 

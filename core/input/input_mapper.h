@@ -49,6 +49,8 @@ class InputMapper {
 public:
     static constexpr double kHandover = 0.25;    ///< s, from one row to another one
     static constexpr double kGlideToRest = 1.0;  ///< s
+    /// A filter that is nearer to what it follows than this part of its control's range has arrived, for rests().
+    static constexpr double kArrived = 1e-7;
 
     /// `shown`, `rest`: of each slot, what it is now and where it rests. Rows of slots that do not exist, or with a component that no value has, are never heard.
     InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest);
@@ -57,6 +59,10 @@ public:
     bool take(const InputValue& value);
     /// A step of so many seconds, > 0. Between two steps the last value of a channel counts.
     void step(double seconds);
+    /// For how many seconds from the last step on no step would change anything that is seen, if nothing is heard: until a source has been silent for too long. 0: steps must go on.
+    [[nodiscard]] double rests() const;
+    /// So many seconds have passed without steps, at most rests(): sources were silent for longer.
+    void pass(double seconds);
     /// Everything lets go: rows are as if nothing had been heard, and slots glide to rest. For panic.
     void letGo();
     /// A slot that a hand has (a mouse) is not driven; `shown`: where the hand left it.
@@ -108,6 +114,7 @@ private:
     std::vector<Slot> slots_;
     std::vector<Listener> listeners_;              // by name
     std::vector<std::vector<std::size_t>> rowsOf_; // of each slot, in order
+    bool touched_ = true;                          // since the last step something was said that it has not shown yet
 };
 
 }  // namespace imomushi

@@ -27,6 +27,7 @@ class FilteredNumber {
 public:
     /// Begins anew at a value.
     void restart(double value) { value_ = value, speed_ = 0.0; }
+    [[nodiscard]] double value() const { return value_; }
     double follow(double value, double seconds, const OneEuro& filter) {
         if (!(filter.hertz > 0.0)) return value_ = value;
         speed_ += OneEuro::alpha(OneEuro::kDerivativeHertz, seconds) * ((value - value_) / seconds - speed_);

@@ -16,11 +16,11 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::string_view kFirst = "imomushi input 1\n";
+constexpr std::string_view kFirst = "imomushi input 2\n", kFormer = "imomushi input 1\n";
 constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // of a file: hours of two senders
 constexpr std::size_t kMostSteps = 10'000'000;            // as the command "step" makes at once
 constexpr double kLongestStep = 10.0;                     // s
-constexpr char kPacket = 'p', kStepEnds = 's';
+constexpr char kPacket = 'p', kStepEnds = 's', kRests = 'r';
 
 /// `bytes` of an integer, low byte first.
 template <int bytes>
@@ -63,9 +63,10 @@ Result<RawInputs> RawInputs::read(const std::filesystem::path& path) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
     if (!file || std::fread(made.bytes.data(), 1, made.bytes.size(), file.get()) != made.bytes.size()) return fail("not-readable", name + " cannot be read: check its permissions.");
     const auto refuse = [&](const char* why) { return fail("not-raw-input", name + " is no recording of live input (" + why + "): choose one that \"live\" made."); };
+    const auto tooLong = [&] { return fail("input-too-long", name + " has more than ten million steps: record shorter parts."); };
     RawReader in{made.bytes};
     const auto first = in.take(kFirst.size());
-    if (!in.ok || std::memcmp(first.data(), kFirst.data(), kFirst.size()) != 0) return refuse("its beginning is another one");
+    if (!in.ok || (std::memcmp(first.data(), kFirst.data(), kFirst.size()) != 0 && std::memcmp(first.data(), kFormer.data(), kFormer.size()) != 0)) return refuse("its beginning is another one");
     made.seconds = std::bit_cast<double>(in.number(8));
     if (!in.ok || !(made.seconds > 0.0 && made.seconds <= kLongestStep)) return refuse("its steps have no length");
     const std::size_t sources = in.number(1);
@@ -80,7 +81,17 @@ Result<RawInputs> RawInputs::read(const std::filesystem::path& path) {
     while (!in.left.empty()) {
         const auto kind = static_cast<char>(in.number(1));
         if (kind == kStepEnds) {
-            if (++made.steps > kMostSteps) return fail("input-too-long", name + " has more than ten million steps: record shorter parts.");
+            if (++made.steps > kMostSteps) return tooLong();
+            continue;
+        }
+        if (kind == kRests) {
+            const Rest rest{made.steps, in.number(4)};
+            if (!in.ok) break;
+            // What came before it belongs to a step.
+            if (rest.count == 0 || (!made.packets.empty() && made.packets.back().step == made.steps)) return refuse("a rest is broken");
+            made.rests.push_back(rest);
+            made.steps += rest.count;
+            if (made.steps > kMostSteps) return tooLong();
             continue;
         }
         if (kind != kPacket) return refuse("a record is broken");
@@ -136,6 +147,14 @@ void RawInputWriter::packet(std::size_t source, std::int64_t nanoseconds, std::s
 void RawInputWriter::endStep() {
     if (std::fputc(kStepEnds, file_.get()) == EOF) error_ = errno;
     if (++steps_ % stepsOfFlush_ == 0) flush();
+}
+
+void RawInputWriter::rest(std::size_t steps) {
+    std::array<char, 5> record{};
+    record[0] = kRests;
+    std::ranges::copy(lowFirst<4>(steps), record.begin() + 1);
+    if (std::fwrite(record.data(), 1, record.size(), file_.get()) != record.size()) error_ = errno;
+    flush();
 }
 
 void RawInputWriter::flush() {

@@ -24,7 +24,7 @@ struct RawSource {
 
 /// Packets as they came, with their times and the step of the performance that took them: whoever plays them does what was done then.
 /// File, numbers with their low byte first: "imomushi input 1\n"; seconds of a step (double); number of sources (u8), of each protocol (u8), length (u8) and name; then records. A packet is
-/// 'p', source (u8), nanoseconds since the beginning (i64), length (u16) and bytes; 's' ends a step. A file that ends within a record is whole up to its last step.
+/// 'p', source (u8), nanoseconds since the beginning (i64), length (u16) and bytes; 's' ends a step, 'r' and a number (u32) stand for so many steps that were not made, as nothing moved (a first line with 1: it has none). A file that ends within a record is whole up to its last step.
 struct RawInputs {
     static constexpr std::size_t kMostSources = 64;
     std::vector<RawSource> sources;
@@ -36,8 +36,13 @@ struct RawInputs {
         std::size_t begin = 0, size = 0;  ///< in `bytes`
     };
     std::vector<Packet> packets;
+    /// Steps that were not made, before what came for the next one.
+    struct Rest {
+        std::size_t step = 0, count = 0;  ///< ascending
+    };
+    std::vector<Rest> rests;
     std::vector<std::byte> bytes;
-    std::size_t steps = 0;
+    std::size_t steps = 0;        ///< with those
     bool cut = false;             ///< the file ended within a step
     [[nodiscard]] std::span<const std::byte> bytesOf(const Packet& packet) const { return std::span(bytes).subspan(packet.begin, packet.size); }
 
@@ -52,6 +57,8 @@ public:
     static Result<RawInputWriter> begin(const std::filesystem::path& path, const std::vector<RawSource>& sources, double seconds);
     void packet(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes);
     void endStep();
+    /// So many steps are left out.
+    void rest(std::size_t steps);
     /// Errors: "not-writable", "disk-full": of anything that was written.
     Result<void> finish();
 

@@ -17,6 +17,8 @@ struct Spring {
 class SprungNumber {
 public:
     void restart(double value) { value_ = value, speed_ = 0.0; }
+    /// It stands where its goal was in the last step.
+    [[nodiscard]] bool rests() const { return speed_ == 0.0; }
     /// A step of so many seconds towards `goal`: the exact motion of a damped oscillator, so that any step is stable and steps of any length agree.
     double follow(double goal, double seconds, const Spring& spring) {
         if (!(spring.hertz > 0.0)) {

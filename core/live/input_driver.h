@@ -34,6 +34,9 @@ public:
     void forgetNumbers();
     /// A hand has what such an input moves: nothing else drives it until hold().
     void giveToHand(const LiveInput& held);
+    /// See InputMapper::rests() and pass(), between two steps.
+    [[nodiscard]] double rests() const { return mapper_.rests(); }
+    void pass(double seconds) { mapper_.pass(seconds); }
     /// Everything glides to rest. For panic.
     void letGo() { mapper_.letGo(); }
     [[nodiscard]] const InputMapper& mapper() const { return mapper_; }

@@ -14,6 +14,7 @@ bool InputFeed::give(std::span<const InputValue> packet) {
     const InputTime came = inputTime();
     for (std::size_t i = 0; i < packet.size(); ++i) values_.push({packet[i], i + 1 == packet.size(), came});
     values_.publish();
+    wake();
     return true;
 }
 
@@ -29,14 +30,41 @@ bool InputFeed::tell(const Hand& hand) {
     if (hands_.free() == 0) return false;
     hands_.push(hand);
     hands_.publish();
+    wake();
     return true;
 }
 
 bool InputFeed::hold(const LiveInput& held) { return tell({held, false}); }
 bool InputFeed::giveToHand(const LiveInput& held) { return tell({held, true}); }
 
-InputTime InputFeed::step(double seconds, LiveCharacter& live) {
+void InputFeed::wakes(std::function<void()> wake) {
+    const std::lock_guard lock(waking_);
+    wake_ = std::move(wake);
+}
+
+void InputFeed::wake() {
+    const std::lock_guard lock(waking_);
+    if (wake_) wake_();
+}
+
+void InputFeed::letGo() {
+    letsGo_.store(true, std::memory_order_release);
+    wake();
+}
+
+void InputFeed::forgetNumbers() {
+    forgets_.store(true, std::memory_order_release);
+    wake();
+}
+
+double InputFeed::rests() const {
+    const bool told = values_.front() || hands_.front() || letsGo_.load(std::memory_order_relaxed) || forgets_.load(std::memory_order_relaxed);
+    return told ? 0.0 : driver_.rests();
+}
+
+InputTime InputFeed::step(double seconds, double slept, LiveCharacter& live) {
     InputTime first = 0;
+    if (slept > 0.0) driver_.pass(slept);
     for (; const Hand* hand = hands_.front(); hands_.pop()) hand->has ? driver_.giveToHand(hand->input) : driver_.hold(hand->input);
     while (const Heard* heard = values_.front()) {
         (void)driver_.take(heard->value);

@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -31,18 +33,22 @@ public:
     std::optional<std::uint64_t> takeStep();
 
     // ---- the stepping thread
-    /// Before a step of so many seconds. Answers when the first came of what it takes.
-    InputTime step(double seconds, LiveCharacter& live);
+    /// Before a step of so many seconds, after so many more in which no step was made. Answers when the first came of what it takes.
+    InputTime step(double seconds, double slept, LiveCharacter& live);
+    /// For how many seconds from the last step on it has nothing to say, if nothing is given or told meanwhile; 0: it has.
+    [[nodiscard]] double rests() const;
 
     // ---- the thread of the window
+    /// `wake` is called after whatever is given or told, by the thread that does so, and must return at once. Null: nobody is woken; no call goes on when this returns.
+    void wakes(std::function<void()> wake);
     /// See InputDriver::hold(); from the next step on. False: there is no room, as nobody steps.
     bool hold(const LiveInput& held);
     /// See InputDriver::giveToHand(); from the next step on. False: there is no room, as nobody steps.
     bool giveToHand(const LiveInput& held);
     /// See InputDriver::letGo(); with the next step.
-    void letGo() { letsGo_.store(true, std::memory_order_release); }
+    void letGo();
     /// See InputDriver::forgetNumbers(); with the next step: what was held was undone.
-    void forgetNumbers() { forgets_.store(true, std::memory_order_release); }
+    void forgetNumbers();
     /// Brings meters() up to the last step. False: nothing is new.
     bool takeMeters() { return meters_.take(); }
     /// Of each row of the document's table.
@@ -62,6 +68,9 @@ private:
         bool has = false;  // else it has let go
     };
     bool tell(const Hand& hand);
+    void wake();
+    std::mutex waking_;           // of wake_: held for a call of it
+    std::function<void()> wake_;
     InputDriver driver_;
     TripleBuffer<std::vector<InputMeter>> meters_;
     std::atomic<bool> letsGo_{false};

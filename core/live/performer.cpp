@@ -8,27 +8,28 @@
 namespace imomushi {
 
 Performer::Performer(LiveCharacter& live, std::function<void()> stepped)
-    : live_(live), stepped_(std::move(stepped)), thread_([this](double seconds) { return step(seconds); }) {
+    : live_(live), stepped_(std::move(stepped)), thread_([this](double seconds, double slept) { return step(seconds, slept); }) {
     live_.leaveVerticesToOthers(true);
 }
 
 Performer::~Performer() {
     thread_.park();
+    dropFeed();  // who hears goes on
     if (running_) live_.endPerforming();
     live_.leaveVerticesToOthers(false);
 }
 
 // On the thread. Where memory runs out, the next step tries again: the last frame stays.
-bool Performer::step(double seconds) {
+double Performer::step(double seconds, double slept) {
     const auto start = std::chrono::steady_clock::now();
-    bool more = true;
+    double sleep = 0.0;
     try {
         InputTime came = 0;
         for (; const Given* given = inputs_.front(); inputs_.pop()) {
             (void)live_.apply(given->input);  // what was let go meanwhile needs none
             came = firstOf(came, given->came);
         }
-        if (feed_) came = firstOf(came, feed_->step(seconds, live_));
+        if (feed_) came = firstOf(came, feed_->step(seconds, slept, live_));
         live_.advance(seconds);
         ++steps_;
         if (unseen_.came == 0 || taken_.load(std::memory_order_relaxed) >= unseen_.step) unseen_ = {came, steps_};
@@ -36,12 +37,23 @@ bool Performer::step(double seconds) {
         fill(frame);
         frame.input = unseen_.came;
         frame.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        more = !frame.resting;
+        sleep = rests();
+        frame.resting = sleep > 0.0;
         frames_.publish();
     } catch (const std::bad_alloc&) {
     }
     stepped_();
-    return more;
+    return sleep;
+}
+
+double Performer::rests() const {
+    if (live_.inMotion()) return 0.0;
+    return feed_ ? feed_->rests() : StepThread::kUntilWoken;
+}
+
+void Performer::dropFeed() {
+    if (feed_) feed_->wakes({});
+    feed_.reset();
 }
 
 void Performer::fill(PerformedFrame& frame) const {
@@ -56,7 +68,6 @@ void Performer::fill(PerformedFrame& frame) const {
     }
     frame.stages = *live_.stages();
     frame.warnings = live_.warnings();
-    frame.resting = !feed_ && !live_.inMotion();
     frame.met = live_.hasMet();
     const auto& recording = live_.recording();
     frame.recorded = recording ? recording->take.times.size() : 0;
@@ -84,18 +95,21 @@ void Performer::start() noexcept {
     try {
         const auto built = live_.built();
         if (!built || !*built) return;
-        if (feed_ && fedHandles_ != live_.plan().handles) feed_.reset();
+        if (feed_ && fedHandles_ != live_.plan().handles) dropFeed();
         // A step would end the display of a take.
         if (inputs_.empty() && (!feed_ || live_.showsTake()) && !live_.inMotion()) return;
         follow(*built);
         if (!shown_) return;
         const double milliseconds = frame().milliseconds;
         const InputTime input = frame().input;
+        const double sleep = inputs_.empty() ? rests() : 0.0;
+        resting_ = sleep > 0.0;
         for (PerformedFrame& frame : frames_.allSlots()) {
             frame.shape.resize(numbers_.size());
             fill(frame);
             frame.milliseconds = milliseconds;  // of the last step: none was made here
             frame.input = input;
+            frame.resting = resting_;
         }
         (void)frames_.take();  // what was stepped before is older than what is there
         drawn_ = shownAs_ == live_.shows();
@@ -104,7 +118,7 @@ void Performer::start() noexcept {
         shownSettings_ = live_.settingsOfEffects();
         live_.beginPerforming();
         running_ = true;
-        thread_.run(live_.document().settings.rate);
+        thread_.run(live_.document().settings.rate, sleep);
     } catch (const std::bad_alloc&) {
         live_.drop();  // it stands still until the next command, which says that there is no memory
     }
@@ -115,23 +129,29 @@ bool Performer::give(const LiveInput& input) {
     inputs_.push({input, inputTime()});
     inputs_.publish();
     given_ = true;
-    if (!running_) start();
+    resting_ = false;
+    if (running_) thread_.wake();
+    else start();
     return true;
 }
 
 void Performer::dropInputs() { inputs_.clear(); }
 
 void Performer::feed(std::shared_ptr<InputFeed> feed) {
+    if (feed_ != feed) dropFeed();
     feed_ = std::move(feed);
     (void)live_.built();
     fedHandles_ = live_.plan().handles;
+    if (feed_) feed_->wakes([this] { thread_.wake(); });
 }
 
 bool Performer::take() {
     // Whoever parked it meanwhile has the last step in the live character.
     if (!running_) return taken_.exchange(steps_) != steps_;
-    if (!frames_.take()) return false;
+    // One that was made before somebody parked it, too.
+    if (!frames_.take() && taken_ == frame().step) return false;
     taken_ = frame().step;
+    resting_ = frame().resting;
     drawn_ = false;
     return true;
 }

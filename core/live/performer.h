@@ -31,14 +31,14 @@ struct PerformedFrame {
     double milliseconds = 0.0;   ///< wall time of the step
     StageTimes stages;
     unsigned warnings = 0;       ///< of FrameWarning
-    bool resting = false;        ///< no step follows
+    bool resting = false;        ///< no step follows, or not soon
     bool met = false;            ///< flesh of two elements met
     std::size_t recorded = 0;    ///< frames of the take that is being recorded
     double recordedSeconds = 0.0;
     bool recordingEnded = false; ///< that take gets no more frames
 };
 
-/// Steps a live character on a thread of its own, at the rate of its document (CharacterSettings::rate) and only while something moves, and shows its frames to everybody else by a second character that
+/// Steps a live character on a thread of its own, at the rate of its document (CharacterSettings::rate) and only while something moves or is heard, and shows its frames to everybody else by a second character that
 /// shares its tables. Whoever wants to change the live character, or its document, parks the performer first. All functions are for one thread, that of the window.
 class Performer {
 public:
@@ -54,12 +54,14 @@ public:
     void resume() noexcept;
     /// The live character is away on the thread: only frames may be asked.
     [[nodiscard]] bool running() const { return running_; }
+    /// Steps are made: something moves, or was given. While there is a feed the thread also has the character when it rests, so that input wakes it without the window.
+    [[nodiscard]] bool moving() const { return running_ && !resting_; }
     [[nodiscard]] double leftOut() const { return thread_.leftOut(); }  ///< s, see StepThread
 
     /// An input for the next step, which wakes what rests. False: it cannot be taken now. Inputs that were given before a command that changes the document are dropped.
     bool give(const LiveInput& input);
     void dropInputs();  ///< while it is parked
-    /// While it is parked: steps take live input from there, and go on as long as it is there. Null: from nowhere. It is let go where the character gets other handles.
+    /// While it is parked: steps take live input from there, and what is given there wakes what rests. Null: from nowhere. It is let go where the character gets other handles.
     void feed(std::shared_ptr<InputFeed> feed);
     [[nodiscard]] InputFeed* feed() const { return feed_.get(); }
     /// Inputs were given since the last call. The document does not contain them until park().
@@ -81,7 +83,10 @@ public:
 
 private:
     void start() noexcept;
-    bool step(double seconds);
+    double step(double seconds, double slept);
+    /// For how many seconds no step would change anything; see StepThread.
+    [[nodiscard]] double rests() const;
+    void dropFeed();
     void fill(PerformedFrame& frame) const;
     /// shown_ is a copy of the character that the live one has built.
     void follow(Character* built);
@@ -108,6 +113,7 @@ private:
     std::optional<std::string> recording_;
     int parked_ = 0;
     bool running_ = false;
+    bool resting_ = false;          // while running_: the frame that was taken last rests, and nothing was given since
     bool waiting_ = false;          // to be started when somebody asks
     bool met_ = false, given_ = false;
     std::uint64_t steps_ = 0;       // of the thread

@@ -304,7 +304,7 @@ Points Session::renderPositionsOf(PartId character) const {
 
 bool Session::moving() const {
     if (performer_) performer_->refresh();
-    return performer_ ? performer_->running() : live_->moving();
+    return performer_ ? performer_->moving() : live_->moving();
 }
 
 void Session::stepFrame(double seconds) {

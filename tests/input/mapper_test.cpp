@@ -237,3 +237,63 @@ TEST_CASE("mapper: what hangs on a spring swings beyond by the first press alrea
     CHECK(m.shown(0) == 1.0);
     CHECK(!m.moved(0));
 }
+
+TEST_CASE("mapper: it says for how long steps would change nothing; without these steps it goes on as with them") {
+    InputRow filtered = rowOf("face", "a", 0), sprung = rowOf("face", "b", 1), held = rowOf("face", "c", 2), next = rowOf("pad", "c", 2);
+    filtered.filter.hertz = 3.0;
+    sprung.spring.hertz = 2.0;
+    sprung.after = 4.0;
+    sprung.silence = InputRow::Silence::Rest;
+    held.after = 6.0;
+    held.silence = InputRow::Silence::Next;
+    const std::vector<double> shown(3, 0.0);
+    const std::vector<InputRow> rows{filtered, sprung, held, next};
+    InputMapper all(rows, shown, shown), some(rows, shown, shown);
+    CHECK(all.rests() == 0.0);  // it has made no step yet
+    all.step(kStep), some.step(kStep);
+    CHECK(all.rests() == std::numeric_limits<double>::infinity());
+    const std::vector<std::vector<InputValue>> heard = {{valueOf("face", "a", {0.7}), valueOf("face", "b", {0.4}), valueOf("face", "c", {0.9})}, {valueOf("pad", "c", {0.2})}, {}, {}, {valueOf("face", "b", {0.1})}, {}};
+    int left = 0, made = 0, events = 0;
+    for (const auto& values : heard) {
+        for (const InputValue& value : values) CHECK(all.take(value) == some.take(value));
+        if (!values.empty()) CHECK(some.rests() == 0.0);
+        for (double passed = 0.0; passed < 2.5;) {
+            const int steps = static_cast<int>(std::min(some.rests(), 2.5) / kStep);
+            for (int i = 0; i < steps; ++i) {
+                all.step(kStep);
+                for (int s = 0; s < 3; ++s) CHECK(std::abs(all.shown(s) - some.shown(s)) < 1e-6);
+            }
+            some.pass(steps * kStep);
+            left += steps;
+            all.step(kStep), some.step(kStep);
+            ++made;
+            for (int s = 0; s < 3; ++s) {
+                CHECK(all.winner(s) == some.winner(s));
+                CHECK(std::abs(all.shown(s) - some.shown(s)) < 1e-6);
+            }
+            for (std::size_t r = 0; r < rows.size(); ++r) CHECK(all.meterOf(r).silent == some.meterOf(r).silent);
+            passed += (steps + 1) * kStep;
+        }
+        events += some.meterOf(1).silent + some.meterOf(2).silent;
+    }
+    CHECK(events >= 3);
+    MESSAGE(made << " steps, " << left << " left out");
+    CHECK(left > made);
+    // What is told counts at once.
+    REQUIRE(some.rests() > 0.0);
+    some.setByHand(0, false, 0.5);
+    CHECK(some.rests() == 0.0);
+    for (int i = 0; i < 200; ++i) some.step(kStep);
+    REQUIRE(some.rests() > 0.0);
+    some.letGo();
+    CHECK(some.rests() == 0.0);
+    const InputValue gone = [] {
+        InputValue value = valueOf("pad", "c", {0.0});
+        value.gone = true;
+        return value;
+    }();
+    for (int i = 0; i < 200; ++i) some.step(kStep);
+    REQUIRE(some.rests() > 0.0);
+    CHECK(some.take(gone));
+    CHECK(some.rests() == 0.0);
+}

@@ -37,16 +37,20 @@ TEST_CASE("raw inputs: what was written is read, with its steps; a file that was
         for (int step = 0; step < 10; ++step) {
             for (int p = 0; p < step % 3; ++p) writer->packet(static_cast<std::size_t>(p), 1000 * step + p, asBytes(std::string(static_cast<std::size_t>(step), 'x')));
             writer->endStep();
+            if (step == 3) writer->rest(600);
         }
         REQUIRE(writer->finish());
     }
     const auto read = RawInputs::read(path);
     REQUIRE(read);
     CHECK(read->sources == std::vector<RawSource>{{"face", InputProtocol::Vmc}, {"knobs", InputProtocol::Midi}, {"keys", InputProtocol::Keys}});
-    CHECK(read->steps == 10);
+    CHECK(read->steps == 610);
+    REQUIRE(read->rests.size() == 1);
+    CHECK(read->rests[0].step == 4);
+    CHECK(read->rests[0].count == 600);
     CHECK(read->packets.size() == 9);
     CHECK(!read->cut);
-    CHECK(read->packets.back().step == 8);
+    CHECK(read->packets.back().step == 608);
     CHECK(read->packets.back().nanoseconds == 8001);
     CHECK(read->bytesOf(read->packets.back()).size() == 8);
     const std::string whole = bytesOfFile(path);
@@ -63,7 +67,12 @@ TEST_CASE("raw inputs: what was written is read, with its steps; a file that was
         before = part->steps;
         for (const auto& packet : part->packets) CHECK(packet.step < part->steps);
     }
-    CHECK(before == 9);
+    CHECK(before == 609);
+    // Those that were written before there were rests are read.
+    std::string former = whole;
+    former[std::string_view("imomushi input ").size()] = '1';
+    write(path, former);
+    CHECK(RawInputs::read(path)->steps == 610);
 }
 
 TEST_CASE("raw inputs: of 20,000 files with bytes changed none is read beyond its end, and what is no recording says so") {

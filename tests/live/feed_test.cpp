@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -110,7 +111,7 @@ TEST_CASE("feed: what nobody holds is taken hold of by a command when it is move
     CHECK(!f.session.performInputs(feed));  // no thread steps
     f.session.perform([] {});
     REQUIRE(f.session.performInputs(feed));
-    CHECK(f.session.moving());  // steps go on while it is there
+    CHECK(f.session.moving());  // a step sees what is there
     InputValue value = packet(1).front();
     value.numbers[0] = 0.4;
     REQUIRE(feed->give(std::span(&value, 1)));
@@ -142,4 +143,98 @@ TEST_CASE("feed: it is let go where the handles of the character are others; a p
     CHECK(!feed->give(many));
     CHECK(feed->give(std::span(many).first(InputFeed::kValues % many.size())));
     CHECK(!feed->give(std::span(many).first(1)));
+}
+
+TEST_CASE("feed: ten seconds at rest with an open source make no step; the next packet is taken by the next step, though the window looks away") {
+    Fed f;
+    std::atomic<int> steps{0};
+    f.session.perform([&] { ++steps; });
+    f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    REQUIRE(f.session.performInputs(feed));
+    const auto says = [&](double number) {
+        const InputValue value = valueOf("pad", "x", {number});
+        REQUIRE(feed->give(std::span(&value, 1)));
+    };
+    std::vector<std::uint64_t> packets;  // that were taken, by step
+    const auto lookAtSteps = [&] {
+        while (const auto taken = feed->takeStep()) packets.push_back(*taken);
+    };
+    says(0.4);
+    REQUIRE(f.wait([&] {
+        lookAtSteps();
+        return !packets.empty() && packets.back() == 1 && !f.session.moving();
+    }));
+    const EndpointRef end = *f.session.document().endpoint("b/end");
+    CHECK((f.session.document().goals.at(end).target - Vec3(0.4, 0.0, 6.0)).norm() < 1e-9);
+    const int made = steps;
+    for (int i = 0; i < 100; ++i) {
+        std::this_thread::sleep_for(100ms);
+        f.session.takeFrame();
+        f.good({{"do", "list"}});  // whoever asks wakes nobody
+    }
+    CHECK(steps == made);
+    CHECK(!f.session.moving());
+    const Vec3 before = f.session.shownPose().points.back();
+    says(0.5);
+    // Nobody looks: the thread that gives has woken the one that steps.
+    const auto start = std::chrono::steady_clock::now();
+    while (steps < made + 10 && std::chrono::steady_clock::now() - start < 60s) std::this_thread::sleep_for(2ms);
+    CHECK(steps >= made + 10);
+    packets.clear();
+    lookAtSteps();
+    REQUIRE(!packets.empty());
+    CHECK(packets.front() == 2);
+    f.session.takeFrame();
+    CHECK(f.session.moving());
+    CHECK((f.session.shownPose().points.back() - before).norm() > 1e-3);
+    REQUIRE(f.wait([&] { return !f.session.moving(); }));
+    CHECK((f.session.document().goals.at(end).target - Vec3(0.5, 0.0, 6.0)).norm() < 1e-9);
+    // So does the window.
+    const int rested = steps;
+    LiveInput hand;
+    hand.end = end;
+    hand.target = Vec3(0.2, 0.1, 6.0);
+    REQUIRE(f.session.give(hand));
+    CHECK(f.session.moving());
+    REQUIRE(f.wait([&] { return !f.session.moving(); }));
+    CHECK(steps > rested);
+    CHECK((f.session.document().goals.at(end).target - hand.target).norm() < 1e-9);
+    f.session.performInputs(nullptr);
+}
+
+TEST_CASE("feed: a source that has fallen silent glides to rest in time, though everything slept; the steps are made for that alone") {
+    constexpr double kAfter = 3.0;
+    Fed f;
+    f.good({{"do", "map-input"}, {"source", "pad"}, {"channel", "y"}, {"target", "bone/b/end/y"}, {"in", {-1, 1}}, {"silence", "rest"}, {"after", kAfter}});
+    std::atomic<int> steps{0};
+    std::atomic<InputTime> last{0}, woke{0};  // when a step was made, and the first after a second without any
+    f.session.perform([&] {
+        const InputTime now = inputTime();
+        if (last > 0 && now - last > 1'000'000'000 && woke == 0) woke = now;
+        last = now;
+        ++steps;
+    });
+    f.good({{"do", "disable"}, {"effect", "bone-dynamics"}});
+    f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0, 0, 6}}});
+    const auto feed = std::make_shared<InputFeed>(f.driver());
+    REQUIRE(f.session.performInputs(feed));
+    const EndpointRef end = *f.session.document().endpoint("b/end");
+    const InputValue value = valueOf("pad", "y", {0.4});
+    const InputTime said = inputTime();
+    REQUIRE(feed->give(std::span(&value, 1)));
+    // Nobody looks.
+    const auto start = std::chrono::steady_clock::now();
+    while (woke == 0 && std::chrono::steady_clock::now() - start < 60s) std::this_thread::sleep_for(5ms);
+    REQUIRE(woke > 0);
+    const double after = 1e-9 * static_cast<double>(woke - said);
+    MESSAGE("after " << kAfter << " s of silence a step is made " << after << " s after what was heard last");
+    CHECK(after >= kAfter - 1.0 / kFeedHertz);  // which the step that took it had as its own
+    CHECK(after <= kAfter + 1.0);
+    REQUIRE(f.wait([&] { return !f.session.moving() && feed->takeMeters() && feed->meters()[2].silent; }));
+    CHECK((f.session.document().goals.at(end).target - Vec3(0.0, 0.0, 6.0)).norm() < 1e-9);
+    const int made = steps;
+    std::this_thread::sleep_for(500ms);
+    CHECK(steps == made);
+    f.session.performInputs(nullptr);
 }

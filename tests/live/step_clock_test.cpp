@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <thread>
+#include <utility>
+
 #include "core/live/step_clock.h"
+#include "core/live/step_thread.h"
 
 using namespace imomushi;
 using namespace std::chrono_literals;
@@ -56,4 +61,49 @@ TEST_CASE("step clock: after a rest it begins anew") {
     CHECK(c.at(0ms) == 1);
     CHECK(c.at(5ms) == 0);
     CHECK(c.clock.leftOut() == 0.0);
+}
+
+TEST_CASE("step thread: it sleeps for as long as a step says, counts that, is woken by anybody, and is not woken while it is parked") {
+    std::atomic<int> steps{0};
+    std::atomic<double> sleep{0.0}, slept{-1.0};
+    StepThread thread([&](double, double before) {
+        ++steps;
+        slept = before;
+        return sleep.load();
+    });
+    const auto until = [](auto done) {
+        for (const auto start = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - start < 60s; std::this_thread::sleep_for(1ms))
+            if (done()) return true;
+        return false;
+    };
+    thread.run(100.0);
+    CHECK(until([&] { return steps > 5; }));
+    CHECK(slept == 0.0);
+    sleep = 0.5;
+    int made = steps;
+    CHECK(until([&] { return steps > made && slept > 0.4; }));  // by itself
+    CHECK(slept >= 0.49 - 1e-6);                                // less the step that is made
+    sleep = StepThread::kUntilWoken;
+    thread.wake();
+    made = -1;
+    CHECK(until([&] { return made == std::exchange(made, steps.load()) && steps > 8; }));
+    std::this_thread::sleep_for(300ms);
+    made = steps;
+    std::this_thread::sleep_for(300ms);
+    CHECK(steps == made);
+    thread.wake();
+    CHECK(until([&] { return steps == made + 1; }));
+    CHECK(slept >= 0.28);
+    thread.park();
+    thread.wake();
+    std::this_thread::sleep_for(100ms);
+    CHECK(steps == made + 1);
+    // Woken while it was parked: it does not go to sleep again over it.
+    thread.run(100.0, StepThread::kUntilWoken);
+    CHECK(until([&] { return steps == made + 2; }));
+    thread.park();
+    // Whoever is put to sleep goes on sleeping, and its time counts from its last step on.
+    thread.run(100.0, 0.4);
+    CHECK(until([&] { return steps == made + 3; }));
+    CHECK(slept >= 0.38);
 }

@@ -99,6 +99,40 @@ TEST_CASE("live: senders on this machine move a handle by its address and by a m
     CHECK(again.answers[8]["held"][0]["endpoint"] == "foot");
 }
 
+TEST_CASE("live: at rest no step is made while nothing comes; its recording is replayed to the same bytes, with the same frames") {
+    makeEgg();
+    const std::string ends = "{\"do\":\"write-mesh\",\"path\":\"live.obj\"}\n";
+    writeFile("live.jsonl", "{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n"
+                            "{\"do\":\"map-input\",\"source\":\"osc\",\"channel\":\"/up\",\"target\":\"handle/top/y\",\"out\":[0,0.5],\"silence\":\"rest\",\"after\":3}\n"
+                            "{\"do\":\"live\",\"sources\":[{\"protocol\":\"osc\",\"port\":0},{\"protocol\":\"vmc\",\"port\":0}],\"record\":\"raw.input\"}\n" + ends);
+    // One packet, silence that ends by itself, ten seconds of nothing, another packet.
+    const Run run = performed("run live.jsonl", "up() { python3 -c 'import socket, struct, sys; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b\"/up\\0,f\\0\\0\" + struct.pack(\">f\", float(sys.argv[2])), (\"127.0.0.1\", int(sys.argv[1])))' $osc $1; }\n"
+                                                "up 0.6; sleep 14; up 0.3; sleep 1.5; kill -INT $program");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    REQUIRE(run.answers.size() == 4);
+    const Json& answer = run.answers[2];
+    const int frames = answer["frames"].get<int>(), rested = answer["rested"].get<int>();
+    MESSAGE(frames << " frames, of which no step was made for " << rested);
+    CHECK(answer["sources"][0]["values"] == 2);
+    // A packet, or silence, moves it for a second or two.
+    CHECK(frames - rested >= 60 + 30);
+    CHECK(rested >= 60 * 10);
+    const TriangleMesh rest = readObj((folder() / "egg.obj").string()), posed = readObj((folder() / "live.obj").string());
+    Eigen::Index top = 0;
+    rest.vertices.col(1).maxCoeff(&top);
+    CHECK(posed.vertices(top, 1) - rest.vertices(top, 1) == doctest::Approx(0.15).epsilon(0.1));
+    const Run again = script("{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n"
+                             "{\"do\":\"map-input\",\"source\":\"osc\",\"channel\":\"/up\",\"target\":\"handle/top/y\",\"out\":[0,0.5],\"silence\":\"rest\",\"after\":3}\n"
+                             "{\"do\":\"replay\",\"path\":\"raw.input\"}\n{\"do\":\"write-mesh\",\"path\":\"replayed.obj\"}\n");
+    INFO(again.out);
+    REQUIRE(again.status == 0);
+    CHECK(again.answers[2]["frames"] == frames);
+    CHECK(again.answers[2]["rested"] == rested);
+    CHECK(again.answers[2]["sources"] == answer["sources"]);
+    CHECK(readFile(folder() / "replayed.obj") == readFile(folder() / "live.obj"));
+}
+
 TEST_CASE("live: Ctrl+C ends a performance and leaves a project with a take; the sub-commands are scripts") {
     makeEgg();
     const Run run = performed("live --osc 0 --vmc 0 --record raw.input --take show --save shown.imomushi egg.imomushi",
