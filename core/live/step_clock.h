@@ -23,6 +23,8 @@ public:
     [[nodiscard]] Time next() const { return next_; }
     /// How many steps are due now, 0 ... kMostAtOnce. They count as made.
     int due(Time now);
+    /// So many of them were not made after all: they are due again.
+    void putBack(int steps) { next_ -= steps * length_; }
     /// s that were left out, in all.
     [[nodiscard]] double leftOut() const { return std::chrono::duration<double>(leftOut_).count(); }
 

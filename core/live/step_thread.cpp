@@ -87,7 +87,8 @@ void StepThread::serve() {
                 continue;
             }
             if (asked_.wait_until(lock, clock_.next(), [this] { return !running_; })) break;
-            for (int due = clock_.due(std::chrono::steady_clock::now()); due > 0 && running_ && sleep_ == 0.0; --due) {
+            int due = clock_.due(std::chrono::steady_clock::now());
+            for (; due > 0 && running_ && sleep_ == 0.0; --due) {
                 woken_ = false;  // what was said until now is seen by this step
                 const double slept = std::exchange(slept_, 0.0);
                 lock.unlock();
@@ -96,6 +97,8 @@ void StepThread::serve() {
                 sleep_ = sleep;
                 sleptSince_ = std::chrono::steady_clock::now();
             }
+            // Whoever parked it lets it make the others later, or their time is said to be left out.
+            clock_.putBack(due);
             leftOut_.store(clock_.leftOut(), std::memory_order_relaxed);
         }
         inside_ = false;
