@@ -328,6 +328,7 @@ int main(int argc, char** argv) {
 
     // From a move of the mouse, or a packet of the network, to the picture that follows it: at most one step and two pictures.
     std::printf("\n%-12s %-6s %9s %9s %9s %9s  latency, ms\n", "sample", "input", "median", "99 %", "allowed", "pictures");
+    int late = 0, followed = 0;
     InputDeck& inputs = window.inputs();
     inputs.setPort(0, 0);
     inputs.setOn(0, true);
@@ -342,7 +343,10 @@ int main(int argc, char** argv) {
         const auto latency = view.latency().latency();
         if (!latency || fps <= 0.0) return;
         const double allowed = 1e3 / 60.0 + 2e3 * pictures / fps;
-        std::printf("%-12s %-6s %9.1f %9.1f %9.1f %9zu\n", qPrintable(sample), input, latency->medianMs, latency->p99Ms, allowed, latency->pictures);
+        const char* verdict = latency->p99Ms <= allowed ? "in time" : latency->medianMs <= allowed ? "some are LATE" : "LATE";
+        late += latency->medianMs > allowed;
+        ++followed;
+        std::printf("%-12s %-6s %9.1f %9.1f %9.1f %9zu  %s\n", qPrintable(sample), input, latency->medianMs, latency->p99Ms, allowed, latency->pictures, verdict);
         std::fflush(stdout);
     };
     for (const Sample& sample : samples()) {
@@ -367,5 +371,6 @@ int main(int argc, char** argv) {
         inputs.letGo();
         inputs.goOn();
     }
-    return tooSlow > 0 || !slow.empty() ? 1 : 0;
+    std::printf("of %d, the median of %d is within one step and two pictures\n", followed, followed - late);
+    return tooSlow > 0 || !slow.empty() || late > 0 ? 1 : 0;
 }
