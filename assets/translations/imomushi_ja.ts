@@ -3013,6 +3013,10 @@
             <translation>骨格を読み込む</translation>
         </message>
         <message>
+            <source>Importing “%1”</source>
+            <translation>「%1」を読み込んでいます</translation>
+        </message>
+        <message>
             <source>Importing the skeleton of “%1”</source>
             <translation>「%1」の骨格を読み込んでいます</translation>
         </message>

@@ -510,4 +510,14 @@ std::shared_ptr<const PreparedCharacter> ImportDialog::preparedCharacter() const
 
 std::shared_ptr<const Result<ImportResult>> ImportDialog::prepared() const { return job_->result(); }
 
+std::int64_t ImportDialog::vertices() const {
+    std::int64_t all = 0;
+    if (const auto made = preparedCharacter()) {
+        if (made->file && *made->file) all += (*made->file)->renderModel.mesh.body.vertices.rows();
+    } else if (const auto read = prepared(); read && *read) {
+        for (const ImportedBody& body : (*read)->bodies) all += body.mesh.body.vertices.rows();
+    }
+    return all;
+}
+
 }  // namespace imomushi

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QDialog>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,6 +49,8 @@ public:
     [[nodiscard]] std::shared_ptr<const Result<ImportResult>> prepared() const;
     /// Null: it is to become elements.
     [[nodiscard]] std::shared_ptr<const PreparedCharacter> preparedCharacter() const;
+    /// That the command brings, as far as they were read.
+    [[nodiscard]] std::int64_t vertices() const;
 
 private:
     void read();

@@ -5,9 +5,11 @@
 #include <QDialogButtonBox>
 #include <QLabel>
 #include <QLineEdit>
+#include <QPointer>
 #include <QPushButton>
 #include <QVBoxLayout>
 #include <cmath>
+#include <memory>
 
 #include "core/base/try.h"
 #include "core/document/names.h"
@@ -78,7 +80,8 @@ PlaceDialog::PlaceDialog(StudioDocument& document, Kind kind, std::optional<Face
     refused_->setWordWrap(true);
     refused_->hide();
     auto* buttons = new QDialogButtonBox(this);
-    named(buttons->addButton(edited_ ? tr("Move") : tr("Place"), QDialogButtonBox::AcceptRole), "place")->setDefault(true);
+    place_ = named(buttons->addButton(edited_ ? tr("Move") : tr("Place"), QDialogButtonBox::AcceptRole), "place");
+    place_->setDefault(true);
     buttons->addButton(tr("Cancel"), QDialogButtonBox::RejectRole)->setAutoDefault(false);
     connect(buttons, &QDialogButtonBox::accepted, this, &PlaceDialog::place);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
@@ -223,14 +226,36 @@ void PlaceDialog::propose() {
 }
 
 void PlaceDialog::place() {
+    if (kind_ == Kind::Cut) return placeCut();
     const auto made = placed();
-    if (!made) {
-        refused_->setText(errorText(made.error()));
-        refused_->show();
-        return;
-    }
+    if (!made) return refuse(made.error());
     document_.select({*made});
     accept();
+}
+
+void PlaceDialog::refuse(const Error& error) {
+    refused_->setText(errorText(error));
+    refused_->show();
+}
+
+void PlaceDialog::placeCut() {
+    const std::string name = name_->text().trimmed().toStdString();
+    // Whatever ends it, this dialog may be gone by then.
+    const std::shared_ptr<void> over(nullptr, [dialog = QPointer(this)](void*) {
+        if (dialog) dialog->place_->setEnabled(true);
+    });
+    SlowStep step;
+    step.command = commands::cut(chosen(), valueOf(origin_), valueOf(normal_), {}, name);
+    step.done = [&document = document_, name, over, dialog = QPointer(this)](const Json&) {
+        if (const CharacterSource* character = document.document().characterOfCut(name))
+            document.select({{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(name))].id, {}, false}});
+        if (dialog) dialog->accept();
+    };
+    step.refused = [dialog = QPointer(this)](const Error& error) {
+        if (dialog) dialog->refuse(error);
+    };
+    place_->setEnabled(false);
+    document_.executeSlow(std::move(step));
 }
 
 Result<SelectionItem> PlaceDialog::placedBone() {
@@ -247,13 +272,6 @@ Result<SelectionItem> PlaceDialog::placed() {
     if (kind_ == Kind::Bone) return placedBone();
     const Vec3 origin = valueOf(origin_);
     const std::string name = name_ ? name_->text().trimmed().toStdString() : std::string();
-    if (kind_ == Kind::Cut) {
-        IMOMUSHI_TRY(const Json answer, document_.execute(commands::cut(chosen(), origin, valueOf(normal_), {}, name), true));
-        for (const auto& [id, character] : now().characters)
-            for (const Cut& cut : character->cuts)
-                if (cut.name == name) return SelectionItem{SelectionItem::Kind::Cut, cut.id, {}, false};
-        return SelectionItem{};
-    }
     const double size = size_->value().value_or(0.0);
     if (edited_) {
         IMOMUSHI_TRY(const Json answer, document_.execute(commands::editJointFace(pathOf(now(), *edited_), origin, valueOf(normal_), size), true));

@@ -12,6 +12,7 @@
 class QComboBox;
 class QLabel;
 class QLineEdit;
+class QPushButton;
 class QVBoxLayout;
 
 namespace imomushi {
@@ -46,6 +47,8 @@ private:
     /// Says where what is chosen has its proposed plane or place, and what it would be called.
     void propose();
     void place();
+    void placeCut();
+    void refuse(const Error& error);
     [[nodiscard]] Result<SelectionItem> placed();
     [[nodiscard]] Result<SelectionItem> placedBone();
     [[nodiscard]] std::string chosen() const;
@@ -61,6 +64,7 @@ private:
     std::array<NumberField*, 3> origin_ = {}, normal_ = {};
     NumberField* size_ = nullptr;  ///< tolerance of a face, radius of a handle; m
     QLabel* refused_;
+    QPushButton* place_;
 };
 
 }  // namespace imomushi

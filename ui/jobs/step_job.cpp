@@ -5,12 +5,15 @@
 
 namespace imomushi {
 
-void StepJob::start(StudioDocument& document, const Json& command, std::function<void(Session&)> arrange) {
+void StepJob::start(StudioDocument& document, const SlowStep& step) {
     result_ = nullptr;
     auto box = std::make_shared<std::shared_ptr<const Result<PreparedStep>>>();
-    launch([box, &registry = document.session().registry(), project = document.project(), command, arrange = std::move(arrange)](
-               const Progress& progress) { *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress)); },
-           [this, box] { result_ = *box; });
+    launch(
+        [box, &registry = document.session().registry(), project = document.project(), command = step.command, arrange = step.arrange, lookFurther = step.lookFurther](const Progress& progress) {
+            *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress));
+            if (!**box && lookFurther) lookFurther(project.document);
+        },
+        [this, box] { result_ = *box; });
 }
 
 }  // namespace imomushi

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
 #include <memory>
 
 #include "core/session/prepared_step.h"
@@ -15,8 +14,7 @@ class StepJob : public BackgroundJob {
     Q_OBJECT
 public:
     using BackgroundJob::BackgroundJob;
-    /// `arrange`: see prepareStep(); runs on the other thread.
-    void start(StudioDocument& document, const Json& command, std::function<void(Session&)> arrange);
+    void start(StudioDocument& document, const SlowStep& step);
     /// Of the last completed run; null before.
     [[nodiscard]] const std::shared_ptr<const Result<PreparedStep>>& result() const { return result_; }
 

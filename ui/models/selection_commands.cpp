@@ -264,22 +264,25 @@ SoftWish softWish(const StudioDocument& document) {
     return {nullptr, d.elements.size() == 1 ? d.elements.begin()->second.get() : nullptr};
 }
 
-bool duplicateSelected(StudioDocument& document) {
-    const auto answer = document.execute(commands::duplicate(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone})));
-    if (answer) selectCopies(document, *answer);
-    return answer.has_value();
+void duplicateSelected(StudioDocument& document) {
+    SlowStep step;
+    step.command = commands::duplicate(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone}));
+    step.done = [&document](const Json& answer) { selectCopies(document, answer); };
+    document.executeSlow(std::move(step));
 }
 
-bool mirrorSelected(StudioDocument& document, char axis) {
-    const auto answer = document.execute(commands::mirror(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}), axis));
-    if (!answer) return false;
-    selectCopies(document, *answer);
-    const Json& left = answer->at("not_mirrored");
-    if (left.empty()) return true;
-    const QString why = errorText({left[0].at("code").get<std::string>(), left[0].at("why").get<std::string>()}), name = QString::fromStdString(left[0].at("name").get<std::string>());
-    Q_EMIT document.failed(left.size() == 1 ? SelectionTexts::tr("Mirrored, but for “%1”: %2").arg(name, why)
-                                            : SelectionTexts::tr("Mirrored, but for %1 parts. “%2”: %3").arg(left.size()).arg(name, why));
-    return false;
+void mirrorSelected(StudioDocument& document, char axis, std::function<void()> done) {
+    SlowStep step;
+    step.command = commands::mirror(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}), axis);
+    step.done = [&document, done = std::move(done)](const Json& answer) {
+        selectCopies(document, answer);
+        const Json& left = answer.at("not_mirrored");
+        if (left.empty()) return done ? done() : void();
+        const QString why = errorText({left[0].at("code").get<std::string>(), left[0].at("why").get<std::string>()}), name = QString::fromStdString(left[0].at("name").get<std::string>());
+        Q_EMIT document.failed(left.size() == 1 ? SelectionTexts::tr("Mirrored, but for “%1”: %2").arg(name, why)
+                                                : SelectionTexts::tr("Mirrored, but for %1 parts. “%2”: %3").arg(left.size()).arg(name, why));
+    };
+    document.executeSlow(std::move(step));
 }
 
 void togglePins(StudioDocument& document) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,12 +28,11 @@ void isolateSelected(StudioDocument& document);
 void lockSelected(StudioDocument& document);
 [[nodiscard]] bool canHide(const StudioDocument& document);
 void showAll(StudioDocument& document);
-/// Copies elements, characters and bones, and selects the copies. False: refused.
-bool duplicateSelected(StudioDocument& document);
+/// Copies elements, characters and bones, and selects the copies.
+void duplicateSelected(StudioDocument& document);
 [[nodiscard]] bool canDuplicate(const StudioDocument& document);
-/// Makes mirror images across an axis ('x', 'y' or 'z') and selects them. False: refused, or something was left out, which the
-/// document tells by failed().
-bool mirrorSelected(StudioDocument& document, char axis);
+/// Makes mirror images across an axis ('x', 'y' or 'z') and selects them. `done`: all of them were made; else the document tells by failed().
+void mirrorSelected(StudioDocument& document, char axis, std::function<void()> done = {});
 [[nodiscard]] bool canMirror(const StudioDocument& document);
 /// How commands call what is selected and can be copied.
 [[nodiscard]] std::vector<std::string> copiedNames(const StudioDocument& document);

@@ -28,6 +28,16 @@ bool changesMore(const CommandRegistry& registry, const Json& command) {
 /// Steps of a performance per second.
 constexpr int kPaceMs = 1000;
 
+/// With more vertices than these a slow step holds up the window for longer than anybody likes to wait: a cut takes 5 ms for a thousand.
+constexpr std::int64_t kQuickVertices = 8000;
+
+bool takesLong(const Document& document, const SlowStep& step) {
+    std::int64_t vertices = step.brings;
+    for (const auto& [id, element] : document.elements) vertices += element->mesh->body.vertices.rows();
+    for (const auto& [id, character] : document.characters) vertices += character->model->mesh.body.vertices.rows();
+    return vertices > kQuickVertices;
+}
+
 void smooth(double& mean, double value) { mean = mean < 0.0 ? value : mean + kNewFrame * (value - mean); }
 
 }  // namespace
@@ -93,6 +103,20 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     if (more) Q_EMIT changeDone();
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));
     return answer;
+}
+
+void StudioDocument::executeSlow(SlowStep step) {
+    if (beside_ && !inGesture() && takesLong(document(), step)) return beside_(std::move(step));
+    const Services usual = session_.services();
+    if (step.arrange) step.arrange(session_);
+    const auto answer = execute(step.command, bool(step.refused));
+    session_.services() = usual;
+    if (answer) {
+        if (step.done) step.done(*answer);
+    } else if (step.refused) {
+        if (step.lookFurther) step.lookFurther(document());
+        step.refused(answer.error());
+    }
 }
 
 Result<Json> StudioDocument::executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step) {

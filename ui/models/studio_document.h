@@ -6,12 +6,14 @@
 #include <QString>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/session/session.h"
+#include "ui/models/slow_step.h"
 
 namespace imomushi {
 
@@ -39,7 +41,11 @@ public:
     /// Runs one command on this thread. On failure emits failed() unless `quiet`.
     Result<Json> execute(const Json& command, bool quiet = false);
 
-    /// The same of a command whose work was done beside the window.
+    /// Executes a command that may take its time: at once where the document is small or a gesture is open, else beside the window (setBeside()), some time later.
+    void executeSlow(SlowStep step);
+    /// Who does slow steps beside the window; nobody: they are done at once.
+    void setBeside(std::function<void(SlowStep)> beside) { beside_ = std::move(beside); }
+    /// The same as execute(), of a command whose work was done beside the window.
     Result<Json> executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step);
     /// What slow commands ask for; the studio answers from what was done beside the window.
     [[nodiscard]] Services& services() { return session_.services(); }
@@ -117,6 +123,7 @@ private:
     void takeFrame();
     void measure(double milliseconds);
 
+    std::function<void(SlowStep)> beside_;
     std::atomic<bool> frameAsked_{false};
     bool performing_ = false;
     Session session_;

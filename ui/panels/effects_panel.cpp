@@ -332,7 +332,7 @@ void EffectsPanel::addAutomatic(Row& r, QGridLayout& grid, EffectKind effect) {
         std::optional<std::string> target;
         for (const auto& [id, element] : d.elements)
             if (chosen.contains(id) && !meets) target = element->name;
-        document_.execute(commands::enable(effect, target, automatic));
+        document_.executeSlow({commands::enable(effect, target, automatic)});
         refresh();
     });
     r.refreshers.push_back([this, box, effect] { box->setChecked(document_.document().effects[effect].automatic); });
@@ -364,7 +364,7 @@ void EffectsPanel::buildOffer(EffectKind effect) {
     all->addLayout(line);
     r.layout->addWidget(r.offer);
     connect(r.take, &QPushButton::clicked, this, [this, effect, automatic] {
-        document_.execute(commands::enable(effect, {}, automatic ? std::optional(true) : std::nullopt));
+        document_.executeSlow({commands::enable(effect, {}, automatic ? std::optional(true) : std::nullopt)});
         refresh();
     });
     connect(r.compare, &QPushButton::pressed, this, [this, effect] { compare(effect, true); });
@@ -459,7 +459,7 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
     connect(menu, &QMenu::aboutToShow, this, [this, menu, effect] {
         menu->clear();
         const Document& d = document_.document();
-        QAction* everywhere = menu->addAction(tr("All elements"), this, [this, effect] { document_.execute(commands::enable(effect)); });
+        QAction* everywhere = menu->addAction(tr("All elements"), this, [this, effect] { document_.executeSlow({commands::enable(effect)}); });
         everywhere->setCheckable(true);
         everywhere->setChecked(d.effects[effect].elements.empty());
         menu->addSeparator();

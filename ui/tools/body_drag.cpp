@@ -34,7 +34,7 @@ const BodyDrag::Parts& BodyDrag::parts() const {
 }
 
 std::optional<GizmoPlace> BodyDrag::gizmo() const {
-    if (!shown_ || busy() || !chosen()) return std::nullopt;
+    if (!shown_ || busy() || !keeps_.expired() || !chosen()) return std::nullopt;
     return withParts({parts().middle, Eigen::Matrix3d::Identity(), true, true}, gizmoParts_);
 }
 
@@ -45,7 +45,7 @@ render::GizmoPart BodyDrag::gizmoPart(const PointerEvent& e) const {
 }
 
 bool BodyDrag::take(Does does, const PointerEvent& e, bool modal) {
-    if (!chosen()) return false;
+    if (!keeps_.expired() || !chosen()) return false;
     TransformDrag::Of of;
     of.pivot = parts().middle;
     of.axes = gizmoAxes(space_, of.axes, e.viewForward, e.viewRight);
@@ -80,7 +80,12 @@ bool BodyDrag::keep() {
     if (!allFinite(shift) || !allFinite(rotation.coeffs())) return true;
     // What did not go anywhere makes no step.
     if (shift.norm() == 0.0 && rotation.vec().norm() == 0.0 && by.factor() == 1.0) return true;
-    document_.execute(commands::transform(parts().names, shift, rotation, by.factor(), by.pivot()));
+    const auto kept = std::make_shared<const Kept>(Kept{by, parts().hanging});
+    keeps_ = kept;
+    SlowStep step;
+    step.command = commands::transform(parts().names, shift, rotation, by.factor(), by.pivot());
+    step.done = [kept](const Json&) {};
+    document_.executeSlow(std::move(step));
     return true;
 }
 
@@ -163,13 +168,19 @@ void BodyDrag::carry(render::Body& body, Moved& moved, const Eigen::Affine3f& by
 
 void BodyDrag::decorate(render::Scene& scene) const {
     if (const auto place = gizmo()) return addGizmo(scene, *place, space_, hovered_);
+    if (const auto kept = keeps_.lock()) place(kept->by, kept->hanging, scene);
     if (!drag_ || !drag_->moved()) return;
-    const Vec3 origin = drag_->placed(Vec3::Zero());
+    place(*drag_, parts().hanging, scene);
+    drag_->decorate(scene);
+    snap_.decorate(scene);
+}
+
+void BodyDrag::place(const TransformDrag& drag, const HangingParts& hanging, render::Scene& scene) const {
+    const Vec3 origin = drag.placed(Vec3::Zero());
     Eigen::Affine3d by = Eigen::Affine3d::Identity();
-    for (int k = 0; k < 3; ++k) by.linear().col(k) = drag_->placed(Vec3::Unit(k)) - origin;
+    for (int k = 0; k < 3; ++k) by.linear().col(k) = drag.placed(Vec3::Unit(k)) - origin;
     by.translation() = origin;
     if (!allFinite(origin) || !(by.linear().determinant() > 0.0)) return;
-    const HangingParts& hanging = parts().hanging;
     const auto goes = [&](std::uint64_t id) {
         const auto part = scenePart(id);
         if (!part) return false;
@@ -193,8 +204,6 @@ void BodyDrag::decorate(render::Scene& scene) const {
         marker.to = by * marker.to;
         for (Vec3& p : marker.outline) p = by * p;
     }
-    drag_->decorate(scene);
-    snap_.decorate(scene);
 }
 
 }  // namespace imomushi

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,6 +65,7 @@ private:
     [[nodiscard]] const Parts& parts() const;
     [[nodiscard]] std::optional<GizmoPlace> gizmo() const;
     bool take(Does does, const PointerEvent& e, bool modal);
+    void place(const TransformDrag& by, const HangingParts& hanging, render::Scene& scene) const;
     void carry(render::Body& body, Moved& moved, const Eigen::Affine3f& by) const;
     /// How many of the elements have a result, which a scale makes out of date.
     [[nodiscard]] int results() const;
@@ -76,6 +78,12 @@ private:
     GizmoParts gizmoParts_ = GizmoParts::All;
     render::GizmoPart hovered_ = render::GizmoPart::None;
     std::optional<TransformDrag> drag_;
+    /// What is seen until the parts are where they were put.
+    struct Kept {
+        TransformDrag by;
+        HangingParts hanging;
+    };
+    std::weak_ptr<const Kept> keeps_;
     mutable Parts parts_;
     mutable std::map<std::uint64_t, Moved> moved_;  // what the scene points to until it is drawn
 };

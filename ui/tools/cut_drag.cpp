@@ -38,7 +38,7 @@ std::optional<double> alongLine(const PointerEvent& e, const Vec3& point, const 
 }
 
 std::optional<CutDrag::Grip> CutDrag::chosen() const {
-    if (document_.selection().size() != 1) return std::nullopt;
+    if (document_.selection().size() != 1 || !keeps_.expired()) return std::nullopt;  // the cut is not yet where it is seen
     const SelectionItem& item = document_.selection().front();
     if (!cutOf(document_.document(), item) || !shownOf(document_.document(), item).picked()) return std::nullopt;
     const auto frame = cutFrame(document_.session(), item.part);
@@ -96,7 +96,7 @@ bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
     drag.modal = modal;
     drag.last = e;
     drag.grip = std::move(grip);
-    drag.sections = std::make_unique<SectionFinder>(character.body, character.body->mesh);
+    drag.sections = std::make_shared<SectionFinder>(character.body, character.body->mesh);
     drag_ = std::move(drag);
     snap_.begin();
     return true;
@@ -195,19 +195,22 @@ void CutDrag::release(const PointerEvent& e) {
 
 void CutDrag::keep() {
     const CutPlane to = plane();
-    const Grip grip = drag_->grip;
-    const bool moved = drag_->moved;
+    const auto kept = std::make_shared<const Drag>(std::move(*drag_));
     drag_.reset();
-    const Cut* cut = cutOf(document_.document(), {SelectionItem::Kind::Cut, grip.cut, {}, false});
-    if (!moved || !cut) return;
+    const Cut* cut = cutOf(document_.document(), {SelectionItem::Kind::Cut, kept->grip.cut, {}, false});
+    if (!kept->moved || !cut) return;
     const std::string name = cut->name;
-    const auto done = document_.execute(commands::moveCut(name, to.origin, to.normal), true);
-    if (done) return;
-    const QString reason = errorText(done.error());
-    if (const auto nearest = nearestCut(document_.document(), grip.frame.elements[0], grip.cut, to))
-        Q_EMIT document_.offered(reason, ToolTexts::tr("Move it to the nearest place that works"), commands::moveCut(name, nearest->origin, nearest->normal));
-    else
-        Q_EMIT document_.failed(reason);
+    const auto nearest = std::make_shared<std::optional<CutPlane>>();
+    SlowStep step;
+    step.command = commands::moveCut(name, to.origin, to.normal);
+    step.lookFurther = [nearest, kept, to](const Document& document) { *nearest = nearestCut(document, kept->grip.frame.elements[0], kept->grip.cut, to); };
+    step.refused = [&document = document_, nearest, name](const Error& error) {
+        const QString reason = errorText(error);
+        if (*nearest) Q_EMIT document.offered(reason, ToolTexts::tr("Move it to the nearest place that works"), commands::moveCut(name, (*nearest)->origin, (*nearest)->normal));
+        else Q_EMIT document.failed(reason);
+    };
+    keeps_ = kept;
+    document_.executeSlow(std::move(step));
 }
 
 bool CutDrag::key(int key, const QString& text) {
@@ -240,15 +243,20 @@ QString CutDrag::hint() const {
 }
 
 void CutDrag::decorate(render::Scene& scene) const {
+    if (const auto kept = keeps_.lock()) decorate(*kept, scene);
     if (!drag_ || !drag_->moved) return;
+    decorate(*drag_, scene);
+    snap_.decorate(scene);
+}
+
+void CutDrag::decorate(const Drag& drag, render::Scene& scene) {
     render::Marker plane;
     plane.shape = render::Marker::Shape::PlaneGizmo;
-    plane.from = drag_->centre;
-    plane.to = drag_->centre + drag_->grip.frame.reach * drag_->normal;
+    plane.from = drag.centre;
+    plane.to = drag.centre + drag.grip.frame.reach * drag.normal;
     plane.hovered = true;
     scene.markers.push_back(std::move(plane));
-    snap_.decorate(scene);
-    for (const auto& loop : drag_->outline) {
+    for (const auto& loop : drag.outline) {
         render::Marker rim;
         rim.shape = render::Marker::Shape::FaceOutline;
         rim.outline = loop;

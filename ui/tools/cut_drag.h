@@ -46,7 +46,7 @@ private:
     };
     struct Drag {
         Grip grip;
-        std::unique_ptr<SectionFinder> sections;
+        std::shared_ptr<SectionFinder> sections;
         Vec3 centre = Vec3::Zero(), normal = Vec3::UnitX();  ///< of the plane under way, world
         Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
         double lastY = 0.0;                                  ///< of the pointer, pixels of the design
@@ -68,6 +68,7 @@ private:
     void place();
     void preview();
     void settle();
+    static void decorate(const Drag& drag, render::Scene& scene);
     [[nodiscard]] double pointed() const;
     [[nodiscard]] std::optional<Grip> chosen() const;  ///< the selected cut
     bool take(Grip grip, const PointerEvent& e, bool modal);
@@ -75,6 +76,7 @@ private:
     StudioDocument& document_;
     Snap snap_;
     std::optional<Drag> drag_;
+    std::weak_ptr<const Drag> keeps_;  ///< the one that the cut follows in a while
 };
 
 /// How far along a line (unit direction) the pointer's ray comes nearest to it, m; none: it looks along the line, nearly.

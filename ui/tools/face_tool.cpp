@@ -427,28 +427,37 @@ void FaceTool::create() {
 }
 
 void FaceTool::cut() {
-    const CutPlane plane = *cut_;
+    if (!cutting_.expired()) return;  // Enter twice
+    const auto plane = std::make_shared<const CutPlane>(*cut_);
+    const auto nearest = std::make_shared<std::optional<CutPlane>>();
     const PartId id = element_;
     const std::string name = element()->name;
-    const auto done = document_.execute(commands::cut(name, plane.origin, plane.normal), true);
-    if (!done) {
-        QString reason = errorText(done.error());
-        const auto nearest = nearestCut(document_.document(), id, 0, plane);
-        if (!nearest) {
-            Q_EMIT document_.failed(reason);
-            return;
+    SlowStep step;
+    step.command = commands::cut(name, plane->origin, plane->normal);
+    step.done = [&document = document_, plane, tool = std::weak_ptr(itself_)](const Json& answer) {
+        if (const auto alive = tool.lock()) {
+            (*alive)->plane_.reset();
+            (*alive)->clearPreview();
         }
-        reason += QLatin1Char(' ') + ToolTexts::tr("The nearest place that works is %1 away.").arg(lengthText((nearest->origin - plane.origin).norm()));
-        Q_EMIT document_.offered(reason, ToolTexts::tr("Cut there"), commands::cut(name, nearest->origin, nearest->normal));
-        return;
-    }
-    plane_.reset();
-    clearPreview();
-    const Json& elements = done->at("elements");
-    const std::string made = done->at("cut").get<std::string>();
-    if (const CharacterSource* character = document_.document().characterOfCut(made))
-        document_.select({SelectionItem{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(made))].id, {}, false}});
-    Q_EMIT document_.madeCut(ToolTexts::tr("Cut “%1” from “%2” and joined them.").arg(QString::fromStdString(elements[1].get<std::string>()), QString::fromStdString(elements[0].get<std::string>())));
+        showCut(document, answer);
+    };
+    step.lookFurther = [=](const Document& document) { *nearest = nearestCut(document, id, 0, *plane); };
+    step.refused = [&document = document_, nearest, plane, name](const Error& error) {
+        const QString reason = errorText(error);
+        if (!*nearest) return Q_EMIT document.failed(reason);
+        Q_EMIT document.offered(reason + QLatin1Char(' ') + ToolTexts::tr("The nearest place that works is %1 away.").arg(lengthText(((*nearest)->origin - plane->origin).norm())),
+                                ToolTexts::tr("Cut there"), commands::cut(name, (*nearest)->origin, (*nearest)->normal));
+    };
+    cutting_ = plane;
+    document_.executeSlow(std::move(step));
+}
+
+void FaceTool::showCut(StudioDocument& document, const Json& answer) {
+    const Json& elements = answer.at("elements");
+    const std::string made = answer.at("cut").get<std::string>();
+    if (const CharacterSource* character = document.document().characterOfCut(made))
+        document.select({SelectionItem{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(made))].id, {}, false}});
+    Q_EMIT document.madeCut(ToolTexts::tr("Cut “%1” from “%2” and joined them.").arg(QString::fromStdString(elements[1].get<std::string>()), QString::fromStdString(elements[0].get<std::string>())));
 }
 
 void FaceTool::cancel() {

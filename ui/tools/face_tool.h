@@ -71,6 +71,8 @@ private:
     /// Shows where the flesh would be cut, or why not.
     void previewCut(const CutPlane& plane);
     void cut();
+    /// What is seen of a cut that was made.
+    static void showCut(StudioDocument& document, const Json& answer);
     [[nodiscard]] SectionFinder& sections(const std::shared_ptr<const Element>& element);
     /// Shows `face`, or why there is none.
     void setPreview(const Element& of, Result<JointFace> face);
@@ -108,6 +110,8 @@ private:
     std::optional<SectionFinder::Outline> section_;  ///< of cut_
     std::shared_ptr<const ElementMesh> sectioned_;
     std::unique_ptr<SectionFinder> sections_;        ///< of sectioned_
+    std::shared_ptr<FaceTool*> itself_ = std::make_shared<FaceTool*>(this);  ///< gone with this, while a cut is being made
+    std::weak_ptr<const CutPlane> cutting_;          ///< the cut that is being made
     bool overCut_ = false;            ///< the pointer is over the plane of the selected cut
     CutDrag drag_;
     FaceBrush brush_;

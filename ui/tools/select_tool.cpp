@@ -39,6 +39,30 @@ void selectByClick(StudioDocument& document, const std::optional<SelectionItem>&
     document.select(std::move(items));
 }
 
+namespace {
+
+/// None: it went with something else.
+std::optional<Json> removal(const Document& d, const SelectionItem& item) {
+    if (item.kind == SelectionItem::Kind::Bone) {
+        const auto bone = d.bones.find(item.part);
+        return bone == d.bones.end() ? std::nullopt : std::optional(commands::removeBone(bone->second->name));
+    }
+    if (item.kind == SelectionItem::Kind::Cut) {
+        const Cut* cut = cutOf(d, item);
+        return cut ? std::optional(commands::removeCut(cut->name)) : std::nullopt;
+    }
+    if (item.kind == SelectionItem::Kind::Character) {
+        const CharacterSource* character = characterOf(d, item);
+        return character ? std::optional(commands::removeElement(character->name)) : std::nullopt;
+    }
+    const auto element = d.elements.find(item.part);
+    if (element == d.elements.end()) return std::nullopt;
+    if (item.kind != SelectionItem::Kind::Face) return commands::removeElement(element->second->name);
+    return element->second->faceIndex(item.face) < 0 ? std::nullopt : std::optional(commands::removeJointFace(pathOf(d, FaceRef{item.part, item.face})));
+}
+
+}  // namespace
+
 bool removeSelection(StudioDocument& document) {
     // Bones before the faces they end at, faces before cuts and their elements, these before their characters: each name is looked up while it still exists.
     std::vector<SelectionItem> items = document.selection();
@@ -57,34 +81,14 @@ bool removeSelection(StudioDocument& document) {
     };
     std::stable_sort(items.begin(), items.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     if (items.empty()) return false;
-    Gesture gesture(document);
-    for (const SelectionItem& item : items) {
-        const Document& d = document.document();
-        Json command;
-        if (item.kind == SelectionItem::Kind::Bone) {
-            const auto bone = d.bones.find(item.part);
-            if (bone == d.bones.end()) continue;
-            command = commands::removeBone(bone->second->name);
-        } else if (item.kind == SelectionItem::Kind::Cut) {
-            const Cut* cut = cutOf(d, item);
-            if (!cut) continue;
-            command = commands::removeCut(cut->name);
-        } else if (item.kind == SelectionItem::Kind::Character) {
-            const CharacterSource* character = characterOf(d, item);
-            if (!character) continue;
-            command = commands::removeElement(character->name);
-        } else {
-            const auto element = d.elements.find(item.part);
-            if (element == d.elements.end()) continue;
-            if (item.kind == SelectionItem::Kind::Face) {
-                if (element->second->faceIndex(item.face) < 0) continue;
-                command = commands::removeJointFace(pathOf(d, FaceRef{item.part, item.face}));
-            } else {
-                command = commands::removeElement(element->second->name);
-            }
-        }
-        if (!document.execute(command)) return false;
+    if (items.size() == 1) {
+        const auto command = removal(document.document(), items.front());
+        if (command) document.executeSlow({*command});
+        return command.has_value();
     }
+    Gesture gesture(document);
+    for (const SelectionItem& item : items)
+        if (const auto command = removal(document.document(), item); command && !document.execute(*command)) return false;
     gesture.commit();
     return true;
 }

@@ -89,6 +89,8 @@ public:
     /// True while a body blends from its previous shape into the new one, or keeps the previous shape because its response is being computed.
     [[nodiscard]] bool fading() const { return fade_.active(); }
 
+    /// What is shown is out of date; the next picture follows.
+    void redraw();
     [[nodiscard]] LatencyMeter& latency() { return latency_; }
 
     [[nodiscard]] QSize sizeHint() const override { return {960, 640}; }
@@ -123,7 +125,6 @@ protected:
 private:
     // viewport_widget.cpp
     void paint();
-    void redraw();
     [[nodiscard]] ShapeFade shapeKept();  ///< from which what is seen fades into what comes
     [[nodiscard]] bool waits(std::uint64_t body) const;
     [[nodiscard]] std::map<PartId, std::shared_ptr<const ElementResponse>> fitting() const;

@@ -10,6 +10,8 @@
 #include <QSettings>
 #include <QStandardPaths>
 #include <algorithm>
+#include <functional>
+#include <utility>
 #include <filesystem>
 
 #include "core/commands/proposal_commands.h"
@@ -53,35 +55,25 @@ QString existing(QString folder) {
     return QFileInfo(folder).isDir() && folder != u"/" ? folder : QDir::homePath();
 }
 
+/// Lets a command take what the dialog has read.
+std::function<void(Session&)> asRead(const ImportDialog& dialog) {
+    return [request = dialog.request(), elements = dialog.prepared(), character = dialog.preparedCharacter()](Session& session) {
+        if (character) usePrepared(session, character);
+        session.services().import = [request, elements](const ImportRequest& r, const Progress& progress) -> Result<ImportResult> {
+            if (elements && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *elements;
+            return importFile(r, progress);
+        };
+    };
+}
+
 QString pathOf(const Session& session) { return QString::fromStdString(session.path().string()); }
 
 }  // namespace
 
-/// What the import dialog read already, or a job made, for the command to take.
-struct FileFlow::Prepared {
-    ImportRequest request;
-    std::shared_ptr<const Result<ImportResult>> result;
-    std::shared_ptr<const PreparedCharacter> character;
-    std::vector<MadeBody> bodies;
-};
-
 FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
-    : QObject(window), document_(document), steps_(steps), window_(window), autosave_(document, recoveryFolder()), prepared_(std::make_shared<Prepared>()) {
+    : QObject(window), document_(document), steps_(steps), window_(window), autosave_(document, recoveryFolder()) {
     connect(&autosave_, &Autosave::failed, &document, &StudioDocument::failed);
     Services& services = document.services();
-    services.import = [prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<ImportResult> {
-        const ImportRequest& r = prepared->request;
-        if (prepared->result && r.path == request.path && r.unit == request.unit && r.up == request.up && r.split == request.split) return *prepared->result;
-        return importFile(request, progress);
-    };
-    services.importCharacter = [prepared = prepared_](const ImportRequest& request, const Progress& progress) -> Result<CharacterFile> {
-        const PreparedCharacter* made = prepared->character.get();
-        return made && made->file && sameFile(made->request, request) ? *made->file : importCharacter(request, progress);
-    };
-    services.propose = [prepared = prepared_](const CharacterSource& character, const ProposalRequest& request, const Progress& progress) -> Result<Proposal> {
-        const PreparedCharacter* made = prepared->character.get();
-        return made && made->proposal && made->asked == request ? *made->proposal : proposeFor(character, request, progress);
-    };
     services.read = [this](const std::filesystem::path& path, std::optional<std::int64_t> version) -> Result<Project> {
         auto ready = file_.takeRead(path, version);
         return ready ? std::move(*ready) : loadProject(path, version);
@@ -91,14 +83,6 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
         return ready ? std::move(*ready) : storeProject(path, project, limits);
     };
     connect(&file_, &FileJob::takesTime, this, [this] { Q_EMIT working(working_); });
-    // Asked for right after the file, by the same command.
-    services.makeBody = [prepared = prepared_](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
-        const PreparedCharacter* made = prepared->character.get();
-        if (made && made->body && made->setting == setting) return *made->body;
-        for (const MadeBody& ready : prepared->bodies)
-            if (ready.isOf(model, setting)) return ready.body;
-        return makeBody(model, rig, setting, progress);
-    };
 }
 
 FileFlow::~FileFlow() { document_.services() = coreServices(); }
@@ -297,10 +281,7 @@ void FileFlow::nextImport() {
             } else if (commands::isMakeSoft(command)) {
                 startSoft(command, QFileInfo(path).completeBaseName(), dialog->preparedCharacter());
             } else {
-                *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
-                const auto done = document_.execute(command);
-                *prepared_ = {};
-                if (done) finishImport(*done);
+                document_.executeSlow({command, tr("Importing “%1”").arg(QFileInfo(path).fileName()), [this](const Json& done) { finishImport(done); }, asRead(*dialog), dialog->vertices()});
             }
         }
         nextImport();
@@ -336,12 +317,12 @@ void FileFlow::finishImport(const Json& answer) {
 }
 
 void FileFlow::startSoft(const Json& command, const QString& name, const std::shared_ptr<const PreparedCharacter>& made) {
-    StepFlow::Wish wish;
-    wish.command = command;
-    wish.title = tr("Making “%1” soft").arg(name);
-    wish.done = [this, isNew = made != nullptr](const Json& answer) { madeSoft(answer, isNew); };
-    if (made) wish.arrange = [made](Session& session) { usePrepared(session, made); };
-    steps_.start(std::move(wish));
+    SlowStep step;
+    step.command = command;
+    step.title = tr("Making “%1” soft").arg(name);
+    step.done = [this, isNew = made != nullptr](const Json& answer) { madeSoft(answer, isNew); };
+    if (made) step.arrange = [made](Session& session) { usePrepared(session, made); };
+    steps_.start(std::move(step));
 }
 
 void FileFlow::makeSoft(const CharacterSource& character, const std::optional<std::vector<std::string>>& bones) {
@@ -362,15 +343,15 @@ void FileFlow::askImportSkeleton(const CharacterSource& character) {
 }
 
 void FileFlow::importSkeleton(const CharacterSource& character, const QString& path) {
-    StepFlow::Wish wish;
-    wish.command = commands::importSkeleton(character.name, path.toStdString());
-    wish.title = tr("Importing the skeleton of “%1”").arg(QFileInfo(path).fileName());
-    wish.done = [this, name = QString::fromStdString(character.name)](const Json& answer) {
+    SlowStep step;
+    step.command = commands::importSkeleton(character.name, path.toStdString());
+    step.title = tr("Importing the skeleton of “%1”").arg(QFileInfo(path).fileName());
+    step.done = [this, name = QString::fromStdString(character.name)](const Json& answer) {
         QString text = tr("“%1” has a skeleton of %n bone(s) now.", nullptr, int(answer.at("skeleton").size())).arg(name);
         if (const int clips = int(answer.at("clips").size()); clips > 0) text += u' ' + tr("%n clip(s) came along.", nullptr, clips);
         Q_EMIT skeletonCame(name, text);
     };
-    steps_.start(std::move(wish));
+    steps_.start(std::move(step));
 }
 
 void FileFlow::askImportClips(const CharacterSource& character) {
@@ -383,10 +364,10 @@ void FileFlow::askImportClips(const CharacterSource& character) {
 }
 
 void FileFlow::importClips(const Json& command) {
-    StepFlow::Wish wish;
-    wish.command = command;
-    wish.title = tr("Importing the clips of “%1”").arg(QFileInfo(QString::fromStdString(command.at("path").get<std::string>())).fileName());
-    wish.done = [this, name = QString::fromStdString(command.at("character").get<std::string>())](const Json& answer) {
+    SlowStep step;
+    step.command = command;
+    step.title = tr("Importing the clips of “%1”").arg(QFileInfo(QString::fromStdString(command.at("path").get<std::string>())).fileName());
+    step.done = [this, name = QString::fromStdString(command.at("character").get<std::string>())](const Json& answer) {
         const Json& clips = answer.at("clips");
         QString text = tr("“%1” has %n clip(s) more: make takes of them.", nullptr, int(clips.size())).arg(name);
         QStringList lost;
@@ -403,7 +384,7 @@ void FileFlow::importClips(const Json& command) {
         if (!more.isEmpty()) lost << more;
         Q_EMIT warned(text + u' ' + tr("These bones of the clips have no counterpart in it: %1").arg(lost.join(QStringLiteral(", "))));
     };
-    steps_.start(std::move(wish));
+    steps_.start(std::move(step));
 }
 
 void FileFlow::madeSoft(const Json& answer, bool isNew) {
@@ -418,9 +399,13 @@ void FileFlow::madeSoft(const Json& answer, bool isNew) {
 }
 
 Result<Json> FileFlow::executeWith(const std::vector<MadeBody>& bodies, const Json& command) {
-    prepared_->bodies = bodies;
+    const BodyMaker usual = std::exchange(document_.services().makeBody, [&bodies](const RenderModel& model, const Rig* rig, const BodySetting& setting, const Progress& progress) -> Result<Body> {
+        for (const MadeBody& ready : bodies)
+            if (ready.isOf(model, setting)) return ready.body;
+        return makeBody(model, rig, setting, progress);
+    });
     auto answer = document_.execute(command);
-    *prepared_ = {};
+    document_.services().makeBody = usual;
     return answer;
 }
 
@@ -430,16 +415,17 @@ void FileFlow::askAppend() {
 }
 
 void FileFlow::append(const QString& path) {
-    QGuiApplication::setOverrideCursor(Qt::WaitCursor);
-    const auto answer = document_.execute(commands::append(path.toStdString(), true));
-    QGuiApplication::restoreOverrideCursor();
-    if (!answer) return;
-    std::vector<SelectionItem> items;
-    for (const Json& name : answer->at("elements"))
-        if (const Element* e = document_.document().elementNamed(name.get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
-    document_.select(items);
-    Q_EMIT imported(int(items.size()));
-    Q_EMIT said(tr("Added “%1” to this project").arg(QFileInfo(path).completeBaseName()));
+    SlowStep step;
+    step.command = commands::append(path.toStdString(), true);
+    step.done = [this, path](const Json& answer) {
+        std::vector<SelectionItem> items;
+        for (const Json& name : answer.at("elements"))
+            if (const Element* e = document_.document().elementNamed(name.get<std::string>())) items.push_back({SelectionItem::Kind::Element, e->id, {}, false});
+        document_.select(items);
+        Q_EMIT imported(int(items.size()));
+        Q_EMIT said(tr("Added “%1” to this project").arg(QFileInfo(path).completeBaseName()));
+    };
+    steps_.start(std::move(step));
 }
 
 void FileFlow::askReplaceMesh() {
@@ -460,24 +446,25 @@ void FileFlow::replaceMesh(const QString& path) {
     connect(dialog, &QDialog::finished, this, [this, dialog, name = QString::fromStdString(target.name)](int answer) {
         importing_ = false;
         if (answer != QDialog::Accepted) return nextImport();
-        *prepared_ = {dialog->request(), dialog->prepared(), dialog->preparedCharacter(), {}};
-        const auto done = document_.execute(dialog->command());
-        *prepared_ = {};
-        if (done && done->at("lost").empty()) {
-            Q_EMIT said(tr("“%1” has its new mesh and kept its rig.").arg(name));
-        } else if (done) {
-            QStringList lost;
-            for (const Json& part : done->at("lost"))
-                lost << tr("%1 (%2)", "what was lost, why").arg(QString::fromStdString(part.at("name").get<std::string>()), errorText({part.at("code").get<std::string>(), part.at("why").get<std::string>()}));
-            constexpr qsizetype kTold = 3;
-            const QString more = lost.size() > kTold ? tr("%n more", nullptr, int(lost.size() - kTold)) : QString();
-            lost = lost.mid(0, kTold);
-            if (!more.isEmpty()) lost << more;
-            Q_EMIT warned(tr("“%1” has its new mesh. Lost: %2").arg(name, lost.join(QStringLiteral("; "))));
-        }
+        document_.executeSlow({dialog->command(), {}, [this, name](const Json& done) { replacedMesh(name, done); }, asRead(*dialog), dialog->vertices()});
         nextImport();
     });
     dialog->open();
+}
+
+void FileFlow::replacedMesh(const QString& name, const Json& answer) {
+    if (answer.at("lost").empty()) {
+        Q_EMIT said(tr("“%1” has its new mesh and kept its rig.").arg(name));
+        return;
+    }
+    QStringList lost;
+    for (const Json& part : answer.at("lost"))
+        lost << tr("%1 (%2)", "what was lost, why").arg(QString::fromStdString(part.at("name").get<std::string>()), errorText({part.at("code").get<std::string>(), part.at("why").get<std::string>()}));
+    constexpr qsizetype kTold = 3;
+    const QString more = lost.size() > kTold ? tr("%n more", nullptr, int(lost.size() - kTold)) : QString();
+    lost = lost.mid(0, kTold);
+    if (!more.isEmpty()) lost << more;
+    Q_EMIT warned(tr("“%1” has its new mesh. Lost: %2").arg(name, lost.join(QStringLiteral("; "))));
 }
 
 FileFlow::Dropped FileFlow::askDropped(const QString& path) {

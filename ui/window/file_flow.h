@@ -100,9 +100,9 @@ private:
     [[nodiscard]] const CharacterSource* openCharacter() const;
     void finishImport(const Json& answer);
     void madeSoft(const Json& answer, bool isNew);
+    void replacedMesh(const QString& name, const Json& answer);
     void startSoft(const Json& command, const QString& name, const std::shared_ptr<const PreparedCharacter>& made);
 
-    struct Prepared;
     StudioDocument& document_;
     StepFlow& steps_;
     QWidget* window_;
@@ -116,7 +116,6 @@ private:
     };
     QList<Waiting> waiting_;
     bool importing_ = false;
-    std::shared_ptr<Prepared> prepared_;
 };
 
 }  // namespace imomushi

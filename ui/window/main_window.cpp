@@ -209,7 +209,8 @@ void MainWindow::connectDocument() {
             if (command == commands::precompute()) return startPrecompute();
             settle();
             // What was turned on may need a precompute, which the tool then offers.
-            if (executeTogether(document_, command.is_array() ? command.get<std::vector<Json>>() : std::vector<Json>{command})) viewport_->tools().begin();
+            if (!command.is_array()) document_.executeSlow({command, {}, [this](const Json&) { viewport_->tools().begin(); }});
+            else if (executeTogether(document_, command.get<std::vector<Json>>())) viewport_->tools().begin();
         });
     });
     connect(deck_, &TakeDeck::said, this, warning);
@@ -302,6 +303,8 @@ void MainWindow::connectRepairs() {
 void MainWindow::connectSteps() {
     overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
+    document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); });
+    connect(steps_, &StepFlow::changed, viewport_, [this] { viewport_->redraw(); });  // what stood where it is going is there, or back
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
     // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.
     const auto wait = [this] { next_->setWaiting(steps_->running() || viewport_->tools().proposal() || stageMode_->on() || replay_->running()); };

@@ -364,6 +364,7 @@ void MainWindow::propose() {
 void MainWindow::undo() {
     // Undo in the middle of a drag takes the drag back, nothing more.
     if (viewport_->tools().busy()) viewport_->tools().cancel();
+    else if (steps_->running()) steps_->cancel();  // it is what was asked for last
     else if (!document_.inGesture() && !viewport_->tools().undo()) document_.execute(commands::undo());
 }
 
@@ -373,7 +374,7 @@ void MainWindow::join() {
 }
 
 void MainWindow::mirror(char axis) {
-    if (mirrorSelected(document_, axis)) messages().say(tr("Mirrored"), MessageBar::Tone::Good);
+    mirrorSelected(document_, axis, [this] { messages().say(tr("Mirrored"), MessageBar::Tone::Good); });
 }
 
 void MainWindow::record() {

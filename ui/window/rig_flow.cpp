@@ -46,16 +46,16 @@ void RigFlow::takeClips(const CharacterSource& character) {
         const std::string& clip = rig->clips[c].name;
         std::string take = clip;
         for (int n = 2; !taken.insert(take).second; ++n) take = clip + " " + std::to_string(n);
-        StepFlow::Wish wish;
-        wish.command = commands::takeClip(name, clip, take);
-        wish.title = tr("Making a take of “%1”").arg(QString::fromStdString(clip));
-        wish.done = [this, last = c == chosen.back(), count = int(chosen.size())](const Json& answer) {
+        SlowStep step;
+        step.command = commands::takeClip(name, clip, take);
+        step.title = tr("Making a take of “%1”").arg(QString::fromStdString(clip));
+        step.done = [this, last = c == chosen.back(), count = int(chosen.size())](const Json& answer) {
             const Take* made = document_.document().takeNamed(answer.at("take").get<std::string>());
             if (!last || !made) return;
             deck_.choose(made->id);
             Q_EMIT said(tr("Made %n take(s). The space bar plays the chosen one.", nullptr, count));
         };
-        steps_.start(std::move(wish));
+        steps_.start(std::move(step));
     }
 }
 

@@ -25,8 +25,14 @@ StepFlow::StepFlow(StudioDocument& document, std::function<bool()> busy, QObject
     });
 }
 
-void StepFlow::start(Wish wish) {
-    waiting_.push_back(std::move(wish));
+QString StepFlow::title() const {
+    if (waiting_.empty()) return {};
+    const SlowStep& step = waiting_.front();
+    return step.title.isEmpty() ? stepText(step.command.at("do").get<std::string>(), {}) : step.title;
+}
+
+void StepFlow::start(SlowStep step) {
+    waiting_.push_back(std::move(step));
     if (waiting_.size() > 1) return;
     tries_ = 0;
     next();
@@ -43,20 +49,24 @@ void StepFlow::cancel() {
 
 void StepFlow::next() {
     ++tries_;
-    job_.start(document_, waiting_.front().command, waiting_.front().arrange);
+    job_.start(document_, waiting_.front());
 }
 
 void StepFlow::finish() {
     if (busy_()) return later_.start();
     const std::shared_ptr<const Result<PreparedStep>> made = job_.result();
     if (*made && !(*made)->fits(document_.document()) && tries_ < kMostTries) return next();
-    const Wish wish = std::move(waiting_.front());
-    waiting_.pop_front();
-    if (*made) {
-        const auto answer = document_.executePrepared(wish.command, {made, &**made});
-        if (answer) wish.done(*answer);
-    } else {
-        Q_EMIT document_.failed(errorText(made->error()));
+    {
+        const SlowStep step = std::move(waiting_.front());
+        waiting_.pop_front();
+        if (*made) {
+            const auto answer = document_.executePrepared(step.command, {made, &**made});
+            if (answer && step.done) step.done(*answer);
+        } else if (step.refused) {
+            step.refused(made->error());
+        } else {
+            Q_EMIT document_.failed(errorText(made->error()));
+        }
     }
     tries_ = 0;
     if (!waiting_.empty()) next();

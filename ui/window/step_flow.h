@@ -17,20 +17,14 @@ namespace imomushi {
 class StepFlow : public QObject {
     Q_OBJECT
 public:
-    struct Wish {
-        Json command;
-        QString title;                                  ///< what goes on: "Making “penguin” soft"
-        std::function<void(const Json& answer)> done;   ///< when it is part of the document
-        std::function<void(Session&)> arrange = {};     ///< see prepareStep()
-    };
     /// `busy`: a gesture is open, which is not disturbed.
     StepFlow(StudioDocument& document, std::function<bool()> busy, QObject* parent);
     [[nodiscard]] StepJob& job() { return job_; }
-    [[nodiscard]] QString title() const { return waiting_.empty() ? QString() : waiting_.front().title; }
+    [[nodiscard]] QString title() const;
     [[nodiscard]] bool running() const { return !waiting_.empty(); }
 
     /// After those that are being done.
-    void start(Wish wish);
+    void start(SlowStep step);
     /// Gives up what is being done and what waits.
     void cancel();
 
@@ -46,7 +40,7 @@ private:
     std::function<bool()> busy_;
     StepJob job_;
     QTimer later_;
-    std::deque<Wish> waiting_;
+    std::deque<SlowStep> waiting_;
     int tries_ = 0;
 };
 

@@ -22,7 +22,7 @@ CutForm::CutForm(StudioDocument& document, const SelectionItem& item, QWidget* p
     addPlane(item);
     auto* remove = new QPushButton(themedIcon(QStringLiteral("trash")), tr("Remove the cut"), this);
     sections_->addWidget(remove);
-    connect(remove, &QPushButton::clicked, this, [this, item] { document_.execute(commands::removeCut(path(item))); });
+    connect(remove, &QPushButton::clicked, this, [this, item] { document_.executeSlow({commands::removeCut(path(item))}); });
 }
 
 QString CutForm::beside(const SelectionItem& item, bool front) const {

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <QFile>
+#include <QTextStream>
+
+#include "tests/studio/window.h"
+#include "tests/support/shapes.h"
+#include "ui/models/paths.h"
+#include "ui/models/selection_commands.h"
+#include "ui/scene/cut_frame.h"
+
+using namespace imomushi;
+
+namespace {
+
+/// A worm of 6 m along x with 12,000 vertices: more than the studio handles while the window waits.
+QString writeWorm(const QString& path) {
+    const TriangleMesh mesh = shapes::cylinder(0.5, 6.0, 60, 200).mesh;
+    QFile file(path);
+    REQUIRE(file.open(QIODevice::WriteOnly));
+    QTextStream out(&file);
+    out.setRealNumberPrecision(17);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) out << "v " << mesh.vertices(v, 2) - 3.0 << ' ' << mesh.vertices(v, 1) << ' ' << -mesh.vertices(v, 0) << '\n';
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) out << "f " << mesh.triangles(t, 0) + 1 << ' ' << mesh.triangles(t, 1) + 1 << ' ' << mesh.triangles(t, 2) + 1 << '\n';
+    return path;
+}
+
+struct Worm : Window {
+    Worm() : Window({1560, 960}, __FILE__) {
+        run({{"do", "import-character"}, {"path", writeWorm(folder.filePath(QStringLiteral("worm.obj"))).toStdString()}, {"name", "worm"}});
+        window().showStart(false);
+        cameraStands();
+        look(Vec3(0.3, 0.4, 1.0));
+    }
+    const CharacterSource& character() { return *now().characters.begin()->second; }
+    int position() { return document().session().position(); }
+    void wait() {
+        REQUIRE(window().steps().running());
+        waitFor([&] { return !window().steps().running(); });
+        settle();
+    }
+    static Json cutAt(double x) { return {{"do", "cut"}, {"element", "worm body"}, {"plane", {{"origin", {x, 0, 0}}, {"normal", {1, 0, 0}}}}}; }
+};
+
+}  // namespace
+
+TEST_CASE("slow steps: a large character is cut beside the window, once however often Enter is pressed, and undo gives a cut up that is not made yet") {
+    Worm w;
+    w.trigger("tool-face");
+    const QPoint at = w.onScreen(Vec3(0.8, 0.2, 0.458));
+    QTest::mouseMove(&w.view(), at);
+    w.settle();
+    const int before = w.position();
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    CHECK(w.position() == before);  // the window did not wait for it
+    w.wait();
+    REQUIRE(w.character().cuts.size() == 1);
+    CHECK(w.position() == before + 1);
+    CHECK(w.document().selection() == std::vector{SelectionItem{SelectionItem::Kind::Cut, w.character().cuts[0].id, {}, false}});
+    CHECK(w.window().messages().isVisible());
+
+    const Json second = Worm::cutAt(-1.5);
+    w.document().executeSlow({second});
+    REQUIRE(w.window().steps().running());
+    w.trigger("undo");
+    CHECK(!w.window().steps().running());
+    CHECK(w.character().cuts.size() == 1);  // the one before stays
+    w.trigger("undo");
+    CHECK(w.character().cuts.empty());
+}
+
+TEST_CASE("slow steps: a plane that cuts nothing is refused beside the window, which offers the nearest place") {
+    Worm w;
+    w.run(Worm::cutAt(0.0));
+    w.document().select({{SelectionItem::Kind::Cut, w.character().cuts[0].id, {}, false}});
+    w.settle();
+    const auto frame = cutFrame(w.document().session(), w.character().cuts[0].id);
+    REQUIRE(frame);
+    const int before = w.position();
+    // Far beyond the end of the worm.
+    const Vec3 grip = frame->centre + 0.6 * frame->reach * Vec3::UnitY();
+    QTest::mouseMove(&w.view(), w.onScreen(grip));
+    w.settle();
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    QTest::keyClicks(&w.view(), QStringLiteral("5"));
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    CHECK(!w.view().tools().busy());
+    w.wait();
+    CHECK(w.position() == before);
+    CHECK(w.window().messages().isVisible());
+    auto* offer = w.window().messages().findChild<QAbstractButton*>(QStringLiteral("offer"));
+    REQUIRE(offer);
+    REQUIRE(offer->isVisible());
+    offer->click();
+    w.wait();
+    CHECK(w.position() == before + 1);
+    CHECK(w.character().cuts[0].plane.origin.x() > 1.0);
+}
+
+TEST_CASE("slow steps: a large character that is moved stays where the hand put it until the document has it there") {
+    Worm w;
+    w.trigger("tool-select");
+    w.document().select({{SelectionItem::Kind::Character, w.character().id, {}, false}});
+    w.settle();
+    const auto picture = [&] { return w.view().grabFramebuffer(); };
+    QTest::mouseMove(&w.view(), w.onScreen(Vec3(0, 0, 0.5)));
+    w.settle();
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    QTest::keyClick(&w.view(), Qt::Key_Y);
+    QTest::keyClicks(&w.view(), QStringLiteral("1"));
+    w.settle();
+    const int before = w.position();
+    QTest::keyClick(&w.view(), Qt::Key_Return);
+    REQUIRE(w.window().steps().running());
+    CHECK(w.position() == before);
+    CHECK(!w.view().tools().busy());
+    w.view().redraw();
+    const QImage waiting = picture();
+    // It cannot be taken again before it is there.
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    CHECK(!w.view().tools().busy());
+    w.wait();
+    CHECK(w.position() == before + 1);
+    CHECK(w.now().elements.begin()->second->mesh->body.vertices.col(1).minCoeff() > 0.4);
+    w.document().select({});
+    w.settle();
+    // A point of the worm that is above where all of it was before.
+    const QPoint above = w.onScreen(Vec3(0.0, 1.3, 0.3));
+    const double ratio = waiting.devicePixelRatio();
+    const QColor seen = waiting.pixelColor((QPointF(above) * ratio).toPoint());
+    const QColor then = picture().pixelColor((QPointF(above) * ratio).toPoint());
+    // The same flesh, but for its outline as selected.
+    CHECK(std::abs(seen.red() - then.red()) + std::abs(seen.green() - then.green()) + std::abs(seen.blue() - then.blue()) < 60);
+}
+
+TEST_CASE("slow steps: copies, mirror images and what is removed of a large character come beside the window, as one step each") {
+    Worm w;
+    w.document().select({{SelectionItem::Kind::Character, w.character().id, {}, false}});
+    const int before = w.position();
+    duplicateSelected(w.document());
+    CHECK(w.now().characters.size() == 1);
+    w.wait();
+    CHECK(w.now().characters.size() == 2);
+    CHECK(w.position() == before + 1);
+    REQUIRE(w.document().selection().size() == 1);  // the copy
+    CHECK(w.document().selection()[0].part != w.now().characters.begin()->first);
+    w.window().actions()["delete"]->trigger();
+    CHECK(w.now().characters.size() == 2);
+    w.wait();
+    CHECK(w.now().characters.size() == 1);
+    CHECK(w.position() == before + 2);
+}
