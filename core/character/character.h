@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -88,9 +89,9 @@ enum class FrameWarning : unsigned {
 /// Built once, then update() is the per-frame job: it neither allocates, locks nor fails.
 class Character {
 public:
-    /// Takes over what `previous` has built for elements whose mesh, faces, response (the same objects) and settings did not change: an edit of one element
+    /// Takes over what `previous` ones (null: none) have built for elements whose mesh, faces, response (the same objects) and settings are the same: an edit of one element
     /// builds the tables of that element. Errors: "bad-value" when the input contradicts itself.
-    static Result<Character> build(CharacterInput input, const Character* previous = nullptr);
+    static Result<Character> build(CharacterInput input, std::initializer_list<const Character*> previous = {});
     Character(Character&&) noexcept;
     Character& operator=(Character&&) noexcept;
     ~Character();

@@ -23,19 +23,23 @@ std::size_t blockOf(const ResponseBlocks& blocks, std::int32_t vertex) {
 
 }  // namespace
 
-Result<Character> Character::build(CharacterInput input, const Character* previous) {
+Result<Character> Character::build(CharacterInput input, std::initializer_list<const Character*> previous) {
     ElementRuntimes known;
-    if (previous)
-        for (const auto& e : previous->state_->frame.elements) known.add(e.runtime);
+    std::vector<const RenderMeshJob*> knownMeshes;
+    for (const Character* one : previous) {
+        if (!one) continue;
+        for (const auto& e : one->state_->frame.elements) known.add(e.runtime);
+        if (one->state_->renderMeshes) knownMeshes.push_back(one->state_->renderMeshes);
+    }
     if (auto ok = checkInput(input, known); !ok) return tl::unexpected(ok.error());
     auto state = std::make_unique<State>(std::move(input));
-    if (auto ok = state->build(known, previous ? previous->state_->renderMeshes : nullptr); !ok) return tl::unexpected(ok.error());
+    if (auto ok = state->build(known, knownMeshes); !ok) return tl::unexpected(ok.error());
     return Character(std::move(state));
 }
 
 Character::State::State(CharacterInput given) : frame(std::move(given)), kinematics(frame.input.skeleton) {}
 
-Result<void> Character::State::build(const ElementRuntimes& known, const RenderMeshJob* knownMeshes) {
+Result<void> Character::State::build(const ElementRuntimes& known, std::span<const RenderMeshJob* const> knownMeshes) {
     const auto& input = frame.input;
     frame.joints.resize(input.joints.size());
     frame.elements.resize(input.elements.size());

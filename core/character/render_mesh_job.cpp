@@ -58,7 +58,7 @@ Eigen::Matrix3d jointPart(const Frame& frame, const ElementState& of, int face, 
 
 }  // namespace
 
-RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known)
+RenderMeshJob::RenderMeshJob(const Frame& frame, std::span<const RenderMeshJob* const> known)
     : FrameJob({}, {{Stage::Weights, {}, {}},
                     {Stage::Placed, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Local | FrameData::Forces | FrameData::Positions, FrameData::Positions},
                     {Stage::Normals, FrameData::Positions | FrameData::Normals, {}}}) {
@@ -92,8 +92,9 @@ RenderMeshJob::RenderMeshJob(const Frame& frame, const RenderMeshJob* known)
     }
     for (const auto& mesh : frame.input.renderMeshes) {
         Mesh made;
-        for (std::size_t i = 0; known && i < known->meshes_.size(); ++i)
-            if (known->meshes_[i].tables->fits(mesh, runtimes)) made.tables = known->meshes_[i].tables;
+        for (const RenderMeshJob* job : known)
+            for (const Mesh& other : job->meshes_)
+                if (!made.tables && other.tables->fits(mesh, runtimes)) made.tables = other.tables;
         if (!made.tables) made.tables = RenderMeshTables::build(mesh, runtimes);
         const std::size_t padded = (mesh->vertices.size() + kVertexBlock - 1) / kVertexBlock * kVertexBlock + kVertexBlock;
         made.positions = AlignedBuffer<float>(3 * padded);

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/character/aligned_buffer.h"
@@ -21,7 +22,7 @@ struct ElementState;
 class RenderMeshJob final : public FrameJob {
 public:
     /// known: tables that may fit, of a character before.
-    RenderMeshJob(const Frame& frame, const RenderMeshJob* known);
+    RenderMeshJob(const Frame& frame, std::span<const RenderMeshJob* const> known);
 
     void run(Stage stage, Frame& frame) override;
     void report(Frame&, double) const override {}  // within the times of the product and of normals

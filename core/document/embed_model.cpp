@@ -307,23 +307,40 @@ const EmbeddedModel& EmbeddedModels::of(const Document& document, const Characte
         now.meshes.push_back(element->second->mesh);
         places.push_back(static_cast<int>(std::distance(document.elements.begin(), element)));
     }
-    const auto last = known_.find(character.id);
-    const bool known = last != known_.end();
-    if (known && last->second.model == now.model && last->second.body == now.body && last->second.attachments == now.attachments && last->second.origins == now.origins && last->second.meshes == now.meshes &&
-        last->second.embedded.elements == ids && last->second.embedded.places == places)
-        return last->second.embedded;
+    auto& all = known_[character.id];
+    const auto same = [&](const std::shared_ptr<const Known>& k) {
+        return k->model == now.model && k->body == now.body && k->attachments == now.attachments && k->origins == now.origins && k->meshes == now.meshes && k->embedded.elements == ids && k->embedded.places == places;
+    };
+    if (const auto found = std::find_if(all.begin(), all.end(), same); found != all.end()) {
+        std::rotate(found, found + 1, all.end());
+        return all.back()->embedded;
+    }
     now.embedded = embedModel(document, character);
-    if (known) {
-        const EmbeddedModel& was = last->second.embedded;
+    for (const auto& one : all) {
+        const EmbeddedModel& was = one->embedded;
         for (std::size_t e = 0; e < ids.size(); ++e) {
             const auto before = std::find(was.elements.begin(), was.elements.end(), ids[e]);
             if (before == was.elements.end() || !now.embedded.points[e]) continue;
             const auto& points = was.points[static_cast<std::size_t>(before - was.elements.begin())];
-            if (points && same(*points, *now.embedded.points[e])) now.embedded.points[e] = points;
+            if (points && imomushi::same(*points, *now.embedded.points[e])) now.embedded.points[e] = points;
         }
-        if (same(*was.mesh, *now.embedded.mesh)) now.embedded.mesh = was.mesh;
+        if (imomushi::same(*was.mesh, *now.embedded.mesh)) now.embedded.mesh = was.mesh;
     }
-    return known_.insert_or_assign(character.id, std::move(now)).first->second.embedded;
+    remember(character.id, std::make_shared<const Known>(std::move(now)));
+    return all.back()->embedded;
+}
+
+void EmbeddedModels::take(const EmbeddedModels& other) {
+    for (const auto& [character, all] : other.known_)
+        if (!all.empty()) remember(character, all.back());
+}
+
+void EmbeddedModels::remember(PartId character, std::shared_ptr<const Known> known) {
+    constexpr std::size_t kMost = 2;
+    auto& all = known_[character];
+    std::erase(all, known);
+    all.push_back(std::move(known));
+    if (all.size() > kMost) all.erase(all.begin());
 }
 
 }  // namespace imomushi

@@ -35,10 +35,12 @@ EmbeddedModel embedModel(const Document& document, const CharacterSource& charac
 /// Parts smaller than this, in diagonals of the model, are not torn apart at cuts: eyes, teeth, buttons.
 inline constexpr double kSmallPart = 0.15;
 
-/// The embedded models of a document's characters, the latest remembered. What did not change stays the same objects, so that nothing is built from it anew.
+/// The embedded models of a document's characters, the two latest of each remembered: undo and redo go to and fro. What did not change stays the same objects, so that nothing is built from it anew.
 class EmbeddedModels {
 public:
     const EmbeddedModel& of(const Document& document, const CharacterSource& character);
+    /// Remembers the latest of each character of another one, too.
+    void take(const EmbeddedModels& other);
 
 private:
     struct Known {
@@ -49,7 +51,8 @@ private:
         std::vector<std::shared_ptr<const ElementMesh>> meshes;   // of its elements
         EmbeddedModel embedded;
     };
-    std::map<PartId, Known> known_;
+    void remember(PartId character, std::shared_ptr<const Known> known);
+    std::map<PartId, std::vector<std::shared_ptr<const Known>>> known_;  // latest last
 };
 
 }  // namespace imomushi

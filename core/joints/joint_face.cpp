@@ -121,8 +121,11 @@ std::vector<std::int32_t> trianglesInPlane(const TriangleMesh& body, const Vec3&
     std::vector<std::int32_t> found;
     for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
         const auto near = [&](int c) { return std::abs(normal.dot(body.vertices.row(body.triangles(t, c)).transpose() - origin)) <= tolerance; };
-        const Vec3 twice = areaVector(body, t);
-        if (t == always || (near(0) && near(1) && near(2) && twice.dot(normal) >= cosine * twice.norm())) found.push_back(t);
+        const auto faces = [&] {
+            const Vec3 twice = areaVector(body, t);
+            return twice.dot(normal) >= cosine * twice.norm();
+        };
+        if (t == always || (near(0) && near(1) && near(2) && faces())) found.push_back(t);
     }
     return found;
 }

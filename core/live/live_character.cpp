@@ -103,7 +103,7 @@ Result<void> LiveCharacter::build() {
         plan_.input.effects.set(std::move(asking));
     }
     const std::shared_ptr<const BuiltCharacter> lent = std::exchange(reusable_, nullptr);
-    if (lent) embeddedModels_ = lent->models;
+    if (lent) embeddedModels_.take(lent->models);
     addRenderMeshes(plan_, document(), embeddedModels_);
     responses_.refresh();
     if (document().elements.empty() && document().bones.empty()) {
@@ -111,9 +111,9 @@ Result<void> LiveCharacter::build() {
         return {};
     }
     for (std::size_t e = 0; e < plan_.elements.size(); ++e) plan_.input.elements[e].response = responses_.fittingOf(plan_.elements[e]);
-    auto made = Character::build(plan_.input, lent ? &lent->character : character_ ? &*character_ : nullptr);
+    auto made = Character::build(plan_.input, {lent ? &lent->character : nullptr, character_ ? &*character_ : nullptr, former_ ? &*former_ : nullptr});
+    if (character_) former_ = std::exchange(character_, std::nullopt);
     if (!made) {
-        character_.reset();
         error_ = made.error();
         return tl::unexpected(*error_);
     }
@@ -426,6 +426,7 @@ void LiveCharacter::drop() noexcept {
     valid_ = poseConverged_ = false;
     error_.reset();
     character_.reset();
+    former_.reset();
     performance_.reset();
     shownTake_.reset();
     positions_.clear();
@@ -433,6 +434,7 @@ void LiveCharacter::drop() noexcept {
 
 void LiveCharacter::replace() {
     knownPlans_.clear();
+    former_.reset();
     positions_.clear();
     recording_.reset();
     valid_ = false;

@@ -244,6 +244,7 @@ private:
 
     CharacterPlan plan_;
     std::optional<Character> character_;
+    std::optional<Character> former_;    // before character_: undo asks for its tables again
     std::optional<Error> error_;         // why there is no character
     bool valid_ = false;                 // character_ or error_ is that of the document
     std::uint64_t responsesSeen_ = 0;    // revision of the store

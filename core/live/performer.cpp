@@ -175,7 +175,7 @@ StageTimes Performer::stages() const {
 
 void Performer::follow(Character* built) {
     if (builtAs_ != live_.builds() || !shown_) {
-        auto made = Character::build(built->input(), built);
+        auto made = Character::build(built->input(), {built});
         shown_.reset();
         if (!made) return;  // what could be built once can be built again
         shown_ = std::move(*made);

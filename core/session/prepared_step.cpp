@@ -13,7 +13,8 @@ namespace imomushi {
 bool PreparedStep::fits(const Document& document) const { return differInPoseAtMost(before, document); }
 
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress) {
-    PreparedStep made{command, project.document, {}, {}, {}, {}, nullptr};
+    PreparedStep made{command, project.document, {}, {}, {}, {}, {}, nullptr};
+    const auto known = project.responses;
     Session session(registry);
     if (arrange) arrange(session);
     SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
@@ -25,6 +26,8 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     made.lines = session.script();
     made.lines.erase(made.lines.begin());  // it says where the document came from
     assert(!made.lines.empty());
+    for (auto& [element, response] : session.project().responses)
+        if (const auto before = known.find(element); before == known.end() || !(before->second.key == response.key)) made.responses.push_back(std::move(response));
     made.character = session.releaseCharacter();
     return made;
 }

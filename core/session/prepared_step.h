@@ -11,6 +11,7 @@
 #include "core/document/document.h"
 #include "core/document/document_history.h"
 #include "core/project/project_file.h"
+#include "core/project/stored_response.h"
 
 namespace imomushi {
 
@@ -24,6 +25,7 @@ struct PreparedStep {
     DocumentHistory::Step step;
     std::vector<Json> lines;  ///< of the script, not empty
     Json answer;
+    std::vector<StoredResponse> responses;  ///< that the command carried over to other elements
     std::shared_ptr<const BuiltCharacter> character;  ///< of `after`, null: it cannot be built
 
     /// What the command found is still so: the document differs from `before` in its pose at most, which passes with time.
@@ -31,7 +33,7 @@ struct PreparedStep {
 };
 
 /// Executes a command that makes one step of the history, in a session of its own. Any thread may call it; meshes and responses of `project` are shared, nothing of it changes.
-/// `arrange`: sets what the session is to take instead of reading files and the like; may be empty. Responses that the command computes are dropped. Errors: the command's own.
+/// `arrange`: sets what the session is to take instead of reading files and the like; may be empty. Errors: the command's own.
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress);
 
 /// The character of a project, built beside a session that opens it. Any thread may call it. Null: there is none, or it cannot be built.

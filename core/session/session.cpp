@@ -154,6 +154,8 @@ Json Session::takeOver(const PreparedStep& made) {
     change.document = difference(before, made.after);
     change.history = change.pose = true;
     history_.addStep(made.step, made.after, made.lines);
+    for (const StoredResponse& response : made.responses)
+        if (!responses_.store().find(response.key)) responses_.insert(response.key, response.response, true);
     live_->reuse(made.character);
     live_->wake(true);
     live_->followExchange(before);

@@ -230,7 +230,7 @@ TEST_CASE("attached parts: attaching one builds the embedding of its element ane
         rigid.elements[e].mesh = input.elements[e].mesh;
         rigid.elements[e].response = input.elements[e].response;
     }
-    auto taken = Character::build(rigid, &flesh).value();
+    auto taken = Character::build(rigid, {&flesh}).value();
     auto fresh = Character::build(rigid).value();
     const Pose pose = embedded::chainPose(input.skeleton, 0.9, 0.3, 1.2);
     for (Character* each : {&taken, &fresh}) {

@@ -556,7 +556,7 @@ TEST_CASE("render mesh: the number of threads changes no byte") {
         if (warped) input.effects.set(BendWarpEffect{});
         auto one = Character::build(input).value();
         input.threads = 4;
-        auto four = Character::build(input, &one).value();
+        auto four = Character::build(input, {&one}).value();
         for (int frame = 0; frame < 8; ++frame) {
             const Pose pose = embedded::chainPose(input.skeleton, 0.1 * frame, 0.05 * frame, 1.0 + 0.02 * frame);
             for (Character* c : {&one, &four}) {
@@ -584,7 +584,7 @@ TEST_CASE("render mesh: an edit keeps the tables of what did not change") {
     const Pose pose = embedded::chainPose(input.skeleton, 0.4, 0.1, 1.1);
     CharacterInput edited = input;
     edited.elements[1].response = std::make_shared<const ElementResponse>(*input.elements[1].response);
-    auto again = Character::build(edited, &c).value(), anew = Character::build(edited).value();
+    auto again = Character::build(edited, {&c}).value(), anew = Character::build(edited).value();
     again.update(pose);
     anew.update(pose);
     CHECK(sameBytes(again, anew));

@@ -67,10 +67,10 @@ TEST_CASE("runtime: what checks a pose is made once, whatever effects come and g
     CHECK(character.missingWatches().empty());
     CharacterInput warped = input;
     warped.effects.set(BendWarpEffect{});
-    const auto next = Character::build(warped, &character).value();
+    const auto next = Character::build(warped, {&character}).value();
     CHECK(next.missingWatches().empty());
     warped.elements[1].response = std::make_shared<const ElementResponse>(*input.elements[1].response);
-    CHECK(Character::build(warped, &character).value().missingWatches().size() == 1);
+    CHECK(Character::build(warped, {&character}).value().missingWatches().size() == 1);
 }
 
 TEST_CASE("runtime: other embedded points change nothing of the body, whose tables are taken over") {
@@ -117,7 +117,7 @@ TEST_CASE("runtime: a character that takes over another's shows the bytes of one
         // An edit: one element is softer, another is no longer precomputed.
         input.elements[0].stiffness *= 0.5;
         if (kind % 2 == 0) input.elements[1].response = nullptr;
-        auto taken = Character::build(input, &first).value(), fresh = Character::build(input).value();
+        auto taken = Character::build(input, {&first}).value(), fresh = Character::build(input).value();
         for (int i = 0; i < 3; ++i) {
             CHECK(sameSurfaces(taken, fresh));
             taken.update(pose, 1.0 / 60.0);
@@ -146,7 +146,7 @@ TEST_CASE("runtime: an edit of one element of 200 costs a small part of a build"
     for (std::size_t e = 2; e < 199; ++e) input.elements[e].response = input.elements[1].response;
     const auto asked = [&](const Character* previous) {
         const std::size_t before = allocations();
-        (void)Character::build(input, previous).value();
+        (void)Character::build(input, {previous}).value();
         return allocations() - before;
     };
     const auto first = Character::build(input).value();

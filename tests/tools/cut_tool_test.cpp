@@ -65,6 +65,26 @@ TEST_CASE("cuts: the section finder crosses a limb on the shortest way round, wi
     CHECK(!finder.at({Vec3(20, 0, 0), Vec3::UnitX()}).has_value());
 }
 
+TEST_CASE("cuts: the way round from a triangle finds the same planes as whole sections do") {
+    const auto mesh = std::make_shared<const TriangleMesh>(limb());
+    const SectionFinder finder(mesh, *mesh);
+    int asked = 0;
+    for (std::int32_t t = 0; t < mesh->triangles.rows(); t += 17) {
+        const Vec3 a = mesh->vertices.row(mesh->triangles(t, 0)), b = mesh->vertices.row(mesh->triangles(t, 1)), c = mesh->vertices.row(mesh->triangles(t, 2));
+        const Vec3 point = 0.5 * a + 0.3 * b + 0.2 * c, normal = (b - a).cross(c - a).normalized();
+        const auto whole = finder.across(point, normal), round = finder.across(point, normal, t);
+        REQUIRE(whole.has_value() == round.has_value());
+        if (!whole) continue;
+        ++asked;
+        // Vertices that a section moves onto its plane change its length by less than their moves: directions that are as short as each other may change places.
+        const auto first = finder.at(*whole), second = finder.at(*round);
+        REQUIRE(first.has_value());
+        REQUIRE(second.has_value());
+        CHECK(second->length == doctest::Approx(first->length).epsilon(0.01));
+    }
+    CHECK(asked > 20);
+}
+
 TEST_CASE("cuts: in the face tool flesh without a flat region shows its section, and a click cuts it in one undo step, joins the pieces and selects the cut") {
     ToolStage stage;
     addWorm(stage);

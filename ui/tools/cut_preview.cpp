@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "core/body/cut.h"
 #include "core/mesh/topology.h"
@@ -43,30 +44,76 @@ Result<SectionFinder::Outline> SectionFinder::at(const CutPlane& plane) const {
     return out;
 }
 
-std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& normal) const {
+std::optional<double> SectionFinder::lengthAround(std::int32_t triangle, const CutPlane& plane) const {
+    const TriangleMesh& mesh = surface_.mesh;
+    const auto distance = [&](std::int32_t v) { return plane.normal.dot(mesh.vertices.row(v).transpose() - plane.origin); };
+    // From triangle to triangle over the edges that the plane crosses: of a closed surface that leads back.
+    double length = 0.0;
+    std::int32_t at = triangle, over = -1;
+    Vec3 first = Vec3::Zero(), last = Vec3::Zero();
+    for (Eigen::Index steps = 0; steps <= mesh.triangles.rows(); ++steps) {
+        std::int32_t next = -1;
+        Vec3 place = Vec3::Zero();
+        for (int k = 0; k < 3 && next < 0; ++k) {
+            const std::int32_t a = mesh.triangles(at, k), b = mesh.triangles(at, (k + 1) % 3);
+            const double from = distance(a), to = distance(b);
+            if ((from >= 0.0) == (to >= 0.0)) continue;
+            const std::int32_t edge = surface_.edges.edgeOf(at, k);
+            if (edge < 0 || edge == over) continue;
+            place = mesh.vertices.row(a).transpose() + from / (from - to) * (mesh.vertices.row(b) - mesh.vertices.row(a)).transpose();
+            next = edge;
+        }
+        const auto uses = next < 0 ? std::span<const EdgeUse>() : std::span<const EdgeUse>(surface_.edges.uses(next));
+        if (uses.size() != 2) return std::nullopt;
+        if (over >= 0) length += (place - last).norm();
+        else first = place;
+        last = place;
+        over = next;
+        at = uses[0].triangle == at ? uses[1].triangle : uses[0].triangle;
+        if (at == triangle) return length + (first - last).norm();
+    }
+    return std::nullopt;
+}
+
+std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& normal, std::int32_t triangle) const {
     const Vec3 n = normal.stableNormalized();
     const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
     const Vec3 origin = point - kBelow * surface_.diagonal * n;
-    double shortest = std::numeric_limits<double>::infinity(), best = 0.0;
     const auto normalAt = [&](double angle) { return Vec3(std::cos(angle) * x + std::sin(angle) * y); };
-    const auto offer = [&](double angle) {
-        const auto outline = at({origin, normalAt(angle)});
-        if (!outline || outline->length >= shortest) return;
-        shortest = outline->length;
-        best = angle;
+    /// The angle of the shortest section; not a number: nothing there can be measured.
+    const auto search = [&](const auto& measure) {
+        double shortest = std::numeric_limits<double>::infinity(), best = std::numeric_limits<double>::quiet_NaN();
+        const auto offer = [&](double angle) {
+            const std::optional<double> length = measure(CutPlane{origin, normalAt(angle)});
+            if (!length || *length >= shortest) return;
+            shortest = *length;
+            best = angle;
+        };
+        double step = std::numbers::pi / kDirections;
+        for (int k = 0; k < kDirections; ++k) offer(k * step);
+        if (!std::isfinite(shortest)) return best;
+        for (int k = 0; k < kRefinements; ++k) {
+            step *= 0.5;
+            const double middle = best;
+            offer(middle - step);
+            offer(middle + step);
+        }
+        return best;
     };
-    double step = std::numbers::pi / kDirections;
-    for (int k = 0; k < kDirections; ++k) offer(k * step);
-    if (!std::isfinite(shortest)) return std::nullopt;
-    for (int k = 0; k < kRefinements; ++k) {
-        step *= 0.5;
-        const double middle = best;
-        offer(middle - step);
-        offer(middle + step);
+    // The way round is all that the search needs; where the plane that it finds does not cut, whole sections are asked.
+    double best = triangle < 0 ? std::numeric_limits<double>::quiet_NaN() : search([&](const CutPlane& p) { return lengthAround(triangle, p); });
+    auto outline = std::isfinite(best) ? at({origin, normalAt(best)}) : Result<Outline>(tl::unexpected(Error{}));
+    if (!outline) {
+        best = search([&](const CutPlane& p) {
+            const auto section = at(p);
+            return section ? std::optional(section->length) : std::nullopt;
+        });
+        if (!std::isfinite(best)) return std::nullopt;
+        outline = at({origin, normalAt(best)});
     }
     CutPlane plane{origin, normalAt(best)};
     // The middle of the section reads better, and lies in it unless that is bent like a bean.
-    if (const auto outline = at(plane)) {
+    if (outline) {
         const CutPlane centred{outline->centre, plane.normal};
         const auto again = at(centred);
         if (again && std::abs(again->length - outline->length) < 1e-6 * outline->length) plane = centred;

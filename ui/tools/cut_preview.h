@@ -25,8 +25,8 @@ public:
     /// Errors: those of findSection().
     [[nodiscard]] Result<Outline> at(const CutPlane& plane) const;
     /// The plane through a point of the surface and its normal there that crosses the flesh on the shortest way round, which is across a limb. Its front is away from the
-    /// middle of the body. None: no plane there cuts.
-    [[nodiscard]] std::optional<CutPlane> across(const Vec3& point, const Vec3& normal) const;
+    /// middle of the body. `triangle`: in which the point lies, which is quicker; -1: it is not known. None: no plane there cuts.
+    [[nodiscard]] std::optional<CutPlane> across(const Vec3& point, const Vec3& normal, std::int32_t triangle = -1) const;
     /// The loops of an outline, where `place(vertex)` says where vertices of the body are.
     template <class Place>
     [[nodiscard]] std::vector<std::vector<Vec3>> placed(const Outline& outline, const Place& place) const {
@@ -50,6 +50,8 @@ public:
     [[nodiscard]] bool isFacet(const JointFace& patch) const;
 
 private:
+    /// m, all the way round over the surface from a triangle back to it. None: the plane does not cross it.
+    [[nodiscard]] std::optional<double> lengthAround(std::int32_t triangle, const CutPlane& plane) const;
     [[nodiscard]] std::pair<std::int32_t, std::int32_t> ends(std::int32_t edge) const;
     std::shared_ptr<const void> owner_;
     CutSurface surface_;

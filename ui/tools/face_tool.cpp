@@ -164,7 +164,7 @@ void FaceTool::preview(const RayHit& hit) {
     auto face = flatRegion(*of, hit.triangle);
     // A tolerance that was asked for means a patch, wherever it is.
     if (widened_ == 0 && !(face && sections(seen_).isFacet(*face)))
-        if (const auto plane = sections(seen_).across(hit.rest, normalOf(of->mesh->body, hit.triangle))) return previewCut(*plane);
+        if (const auto plane = sections(seen_).across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(*plane);
     setPreview(*of, std::move(face));
 }
 
@@ -211,7 +211,7 @@ void FaceTool::placePlane(const RayHit& hit) {
     // On a flat region the plane lies in it, anywhere else it crosses the flesh.
     const auto patch = flatRegion(*found->second, hit.triangle);
     if (!patch || !sections(found->second).isFacet(*patch))
-        if (const auto across = sections(found->second).across(hit.rest, plane.normal)) {
+        if (const auto across = sections(found->second).across(hit.rest, plane.normal, hit.triangle)) {
             plane.origin = across->origin;
             plane.normal = across->normal;
         }

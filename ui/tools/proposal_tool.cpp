@@ -82,6 +82,11 @@ std::optional<RayHit> ProposalTool::fleshUnder(const PointerEvent& e) const {
     return hit;
 }
 
+std::int32_t ProposalTool::onBody(const RayHit& hit) const {
+    const auto& triangles = document_.document().elements.at(hit.element)->piece->origin->triangles;
+    return within(hit.triangle, triangles.size()) ? triangles[std::size_t(hit.triangle)] : -1;
+}
+
 std::optional<Vec3> ProposalTool::insideUnder(const PointerEvent& e) const {
     const auto hits = rayHits(document_.session(), e.rayOrigin, e.rayDirection);
     const auto entry = std::find_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.entering; });
@@ -195,7 +200,7 @@ void ProposalTool::move(const PointerEvent& e) {
     if (hovered_.kind != Grip::Kind::Nothing || (e.modifiers & Qt::ShiftModifier)) return;
     const auto flesh = fleshUnder(e);
     if (!flesh) return;
-    wouldCut_ = sections_.across(flesh->rest, flesh->normal);
+    wouldCut_ = sections_.across(flesh->rest, flesh->normal, onBody(*flesh));
     wouldCutRim_ = wouldCut_ ? shownAt(*wouldCut_).loops : std::vector<std::vector<Vec3>>();
 }
 
@@ -280,7 +285,7 @@ void ProposalTool::release(const PointerEvent& e) {
             selected_ = {};
             if (drag.does != Drag::Does::AddsCut) break;
             if (const auto flesh = fleshUnder(e)) {
-                if (const auto plane = sections_.across(flesh->rest, flesh->normal)) wait({*plane, {}, {}});
+                if (const auto plane = sections_.across(flesh->rest, flesh->normal, onBody(*flesh))) wait({*plane, {}, {}});
                 else Q_EMIT document_.failed(ToolTexts::tr("No plane cuts the flesh here."));
             }
             break;

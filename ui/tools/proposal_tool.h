@@ -91,6 +91,8 @@ private:
     [[nodiscard]] Grip gripUnder(const PointerEvent& e) const;
     [[nodiscard]] bool onArrow(const PointerEvent& e) const;  ///< of the selected cut
     [[nodiscard]] std::optional<RayHit> fleshUnder(const PointerEvent& e) const;
+    /// The triangle of the body that was hit.
+    [[nodiscard]] std::int32_t onBody(const RayHit& hit) const;
     [[nodiscard]] std::optional<Vec3> insideUnder(const PointerEvent& e) const;  ///< in the middle of the flesh
     [[nodiscard]] Shown shownAt(const CutPlane& plane) const;
     [[nodiscard]] int pieceAt(const Vec3& place) const;
