@@ -304,7 +304,7 @@ int main(int argc, char** argv) {
     measure("new project", [&] { execute({{"do", "new"}}); });
 
     // One body of as many vertices, cut into pieces.
-    document.services().importCharacter = [&](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
+    const auto worm = [&](const ImportRequest&, const Progress&) -> Result<CharacterFile> {
         const int around = 250, along = std::max(4, elements * vertices / around);
         const TriangleMesh mesh = shapes::cylinder(0.5, 6.0, around, along).mesh;
         CharacterFile file;
@@ -316,7 +316,13 @@ int main(int argc, char** argv) {
         for (std::int32_t v = 0; v < mesh.vertices.rows(); ++v) file.renderModel.mesh.renderMesh.bodyVertex.push_back(v);
         return file;
     };
-    execute({{"do", "import-character"}, {"path", "worm.obj"}, {"name", "worm"}});
+    measure("import", [&] {
+        SlowStep import;
+        import.command = {{"do", "import-character"}, {"path", "worm.obj"}, {"name", "worm"}};
+        import.arrange = [&](Session& session) { session.services().importCharacter = worm; };
+        import.brings = std::int64_t(elements) * vertices;
+        document.executeSlow(std::move(import));
+    });
     view.frameAll(false);
     view.setViewAxis(ViewAxis::Right);
     QTest::qWait(kViewMs);

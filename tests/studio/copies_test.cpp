@@ -55,6 +55,7 @@ TEST_CASE("studio: a project that is dropped on another one is added beside it o
         });
         w.window().files().drop({kSample});
         w.settle();
+        waitFor([&] { return !w.window().steps().running(); });
     };
     answer("Cancel");
     CHECK(w.now().elements.size() == 1);
@@ -72,6 +73,7 @@ TEST_CASE("studio: a project that is dropped on another one is added beside it o
     // Of several the first is opened, the others are added.
     (void)w.document().execute({{"do", "new"}});
     w.window().files().drop({kSample, kSample, kSample});
+    waitFor([&] { return !w.window().steps().running(); });
     CHECK(w.now().elements.size() == 15);
     CHECK(w.document().session().path() == std::filesystem::path(kSample.toStdString()));
 }

@@ -9,8 +9,9 @@ void StepJob::start(StudioDocument& document, const SlowStep& step) {
     result_ = nullptr;
     auto box = std::make_shared<std::shared_ptr<const Result<PreparedStep>>>();
     launch(
-        [box, &registry = document.session().registry(), project = document.project(), command = step.command, arrange = step.arrange, lookFurther = step.lookFurther](const Progress& progress) {
+        [box, &registry = document.session().registry(), project = document.project(), command = step.command, arrange = step.arrange, lookFurther = step.lookFurther, afterwards = afterwards_](const Progress& progress) {
             *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress));
+            if (**box && afterwards) afterwards((**box)->after);
             if (!**box && lookFurther) lookFurther(project.document);
         },
         [this, box] { result_ = *box; });

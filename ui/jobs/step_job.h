@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "core/session/prepared_step.h"
 #include "ui/jobs/background_job.h"
@@ -15,10 +17,13 @@ class StepJob : public BackgroundJob {
 public:
     using BackgroundJob::BackgroundJob;
     void start(StudioDocument& document, const SlowStep& step);
+    /// Called on the other thread with the document that a step made: what would be made when somebody first asks is made there.
+    void setAfterwards(std::function<void(const Document&)> afterwards) { afterwards_ = std::move(afterwards); }
     /// Of the last completed run; null before.
     [[nodiscard]] const std::shared_ptr<const Result<PreparedStep>>& result() const { return result_; }
 
 private:
+    std::function<void(const Document&)> afterwards_;
     std::shared_ptr<const Result<PreparedStep>> result_;
 };
 

@@ -2,7 +2,11 @@
 #include "ui/tools/face_tool.h"
 
 #include <Eigen/Geometry>
+#include <QCoreApplication>
+#include <QScopedValueRollback>
+#include <QThreadPool>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -30,6 +34,8 @@ constexpr double kMeetDistance = 0.01;
 constexpr double kMeetShape = 0.05;
 /// Normals of faces that meet are opposite to within about 8 degrees.
 constexpr double kMeetCosine = 0.99;
+/// The sections of bodies with at most so many vertices are prepared while the pointer waits: 8 ms.
+constexpr Eigen::Index kAtOnce = 20'000;
 
 Vec3 corner(const TriangleMesh& mesh, std::int32_t triangle, int c) { return mesh.vertices.row(mesh.triangles(triangle, c)); }
 
@@ -143,12 +149,31 @@ void FaceTool::clearPreview() {
     section_.reset();
 }
 
-SectionFinder& FaceTool::sections(const std::shared_ptr<const Element>& element) {
+const SectionFinder* FaceTool::sections(const std::shared_ptr<const Element>& element) {
     if (sectioned_ != element->mesh) {
         sectioned_ = element->mesh;
-        sections_ = std::make_unique<SectionFinder>(sectioned_, sectioned_->body);
+        std::packaged_task<std::shared_ptr<const SectionFinder>()> make([mesh = sectioned_] { return std::make_shared<const SectionFinder>(mesh, mesh->body); });
+        sections_ = make.get_future().share();
+        if (sectioned_->body.vertices.rows() <= kAtOnce) {
+            make();
+        } else {
+            auto beside = std::make_shared<decltype(make)>(std::move(make));
+            QThreadPool::globalInstance()->start([beside, tool = std::weak_ptr(itself_)] {
+                (*beside)();
+                QMetaObject::invokeMethod(
+                    qApp,
+                    [tool] {
+                        const auto alive = tool.lock();
+                        if (!alive) return;
+                        (*alive)->lookAgain();
+                        Q_EMIT (*alive)->document_.hoverChanged();
+                    },
+                    Qt::QueuedConnection);
+            });
+        }
     }
-    return *sections_;
+    if (!waits_ && sections_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return nullptr;
+    return sections_.get().get();
 }
 
 void FaceTool::preview(const RayHit& hit) {
@@ -163,8 +188,10 @@ void FaceTool::preview(const RayHit& hit) {
     }
     auto face = flatRegion(*of, hit.triangle);
     // A tolerance that was asked for means a patch, wherever it is.
-    if (widened_ == 0 && !(face && sections(seen_).isFacet(*face)))
-        if (const auto plane = sections(seen_).across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(*plane);
+    const SectionFinder* finder = widened_ == 0 ? sections(seen_) : nullptr;
+    if (widened_ == 0 && !finder) return clearPreview();
+    if (finder && !(face && finder->isFacet(*face)))
+        if (const auto plane = finder->across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(*plane);
     setPreview(*of, std::move(face));
 }
 
@@ -176,12 +203,15 @@ void FaceTool::previewPlane() {
         return;
     }
     auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
-    if (!face && face.error().code == "no-patch" && sections(seen_).at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
+    if (!face && face.error().code == "no-patch")
+        if (const SectionFinder* finder = sections(seen_); finder && finder->at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
     setPreview(*of, std::move(face));
 }
 
 void FaceTool::previewCut(const CutPlane& plane) {
-    auto section = sections(seen_).at(plane);
+    const SectionFinder* finder = sections(seen_);
+    if (!finder) return;
+    auto section = finder->at(plane);
     if (!section) {
         refusal_ = errorText(section.error());
         return;
@@ -210,8 +240,9 @@ void FaceTool::placePlane(const RayHit& hit) {
     plane.normal = normalOf(body, hit.triangle);
     // On a flat region the plane lies in it, anywhere else it crosses the flesh.
     const auto patch = flatRegion(*found->second, hit.triangle);
-    if (!patch || !sections(found->second).isFacet(*patch))
-        if (const auto across = sections(found->second).across(hit.rest, plane.normal, hit.triangle)) {
+    const SectionFinder* finder = sections(found->second);
+    if (finder && (!patch || !finder->isFacet(*patch)))
+        if (const auto across = finder->across(hit.rest, plane.normal, hit.triangle)) {
             plane.origin = across->origin;
             plane.normal = across->normal;
         }
@@ -227,6 +258,7 @@ void FaceTool::placePlane(const RayHit& hit) {
 
 void FaceTool::press(const PointerEvent& e) {
     if (e.button != Qt::LeftButton) return;
+    const QScopedValueRollback waits(waits_, true);
     if (edit_) return edit_.reset();
     if (drag_.modal()) return drag_.keep();
     if (drag_.busy()) return;
@@ -331,6 +363,7 @@ bool FaceTool::wheel(double notches, const PointerEvent& e) {
 }
 
 bool FaceTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    const QScopedValueRollback waits(waits_, true);
     if (drag_.busy()) return drag_.key(key, text);
     if (edit_) {
         if (key == Qt::Key_Return || key == Qt::Key_Enter)
@@ -483,7 +516,7 @@ void FaceTool::decorate(render::Scene& scene) const {
     const Element* of = element();
     if (cut_ && section_ && of) {
         const PosedBody body(document_.session(), element_, *of);
-        for (std::vector<Vec3>& loop : sections_->placed(*section_, [&](std::int32_t v) { return body.at(v); })) {
+        for (std::vector<Vec3>& loop : sections_.get()->placed(*section_, [&](std::int32_t v) { return body.at(v); })) {
             render::Marker rim;
             rim.shape = render::Marker::Shape::FaceOutline;
             rim.from = rim.to = loop.front();

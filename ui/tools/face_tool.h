@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -73,7 +74,8 @@ private:
     void cut();
     /// What is seen of a cut that was made.
     static void showCut(StudioDocument& document, const Json& answer);
-    [[nodiscard]] SectionFinder& sections(const std::shared_ptr<const Element>& element);
+    /// Null: it is being made; then lookAgain() follows.
+    [[nodiscard]] const SectionFinder* sections(const std::shared_ptr<const Element>& element);
     /// Shows `face`, or why there is none.
     void setPreview(const Element& of, Result<JointFace> face);
     void clearPreview();
@@ -109,7 +111,8 @@ private:
     std::optional<CutPlane> cut_;     ///< at rest, what a click (Enter) would cut; none: it makes a face
     std::optional<SectionFinder::Outline> section_;  ///< of cut_
     std::shared_ptr<const ElementMesh> sectioned_;
-    std::unique_ptr<SectionFinder> sections_;        ///< of sectioned_
+    std::shared_future<std::shared_ptr<const SectionFinder>> sections_;  ///< of sectioned_
+    bool waits_ = false;              ///< for sections_: a click or a key wants them now
     std::shared_ptr<FaceTool*> itself_ = std::make_shared<FaceTool*>(this);  ///< gone with this, while a cut is being made
     std::weak_ptr<const CutPlane> cutting_;          ///< the cut that is being made
     bool overCut_ = false;            ///< the pointer is over the plane of the selected cut

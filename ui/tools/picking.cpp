@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <map>
 #include <memory>
 #include <set>
@@ -53,35 +54,41 @@ Vec3 nearestOnSegment(const PointerEvent& e, const Vec3& a, const Vec3& b) {
     return a + std::clamp(t, 0.0, 1.0) * s;
 }
 
-/// Whether the segment a...b on the screen touches the box; not where an end is behind the eye.
-bool touches(const QRectF& box, const std::optional<Eigen::Vector2d>& a, const std::optional<Eigen::Vector2d>& b) {
-    if (!a || !b) return false;
-    const Eigen::Vector2d low = a->cwiseMin(*b), high = a->cwiseMax(*b);
+/// Whether the segment a...b on the screen touches the box.
+bool touches(const QRectF& box, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    const Eigen::Vector2d low = a.cwiseMin(b), high = a.cwiseMax(b);
     if (high.x() < box.left() || low.x() > box.right() || high.y() < box.top() || low.y() > box.bottom()) return false;
     // Not all corners on one side of its line.
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (const QPointF corner : {box.topLeft(), box.topRight(), box.bottomLeft(), box.bottomRight()}) {
-        const double side = (b->x() - a->x()) * (corner.y() - a->y()) - (b->y() - a->y()) * (corner.x() - a->x());
+        const double side = (b.x() - a.x()) * (corner.y() - a.y()) - (b.y() - a.y()) * (corner.x() - a.x());
         least = std::min(least, side);
         most = std::max(most, side);
     }
     return least <= 0.0 && most >= 0.0;
 }
 
-/// The same of a closed loop, as it is painted where it crosses itself.
-bool touches(const QPolygonF& loop, const QRectF& bounds, const std::optional<Eigen::Vector2d>& a, const std::optional<Eigen::Vector2d>& b) {
-    if (!touches(bounds, a, b)) return false;
-    const QPointF from(a->x(), a->y()), to(b->x(), b->y());
-    if (loop.containsPoint(from, Qt::WindingFill) || loop.containsPoint(to, Qt::WindingFill)) return true;
-    const QLineF segment(from, to);
-    for (qsizetype i = 0; i < loop.size(); ++i)
-        if (segment.intersects(QLineF(loop[i], loop[(i + 1) % loop.size()])) == QLineF::BoundedIntersection) return true;
-    return false;
-}
+/// What a drag over the view goes round.
+struct BoxArea {
+    QRectF box;
+    [[nodiscard]] bool contains(const Eigen::Vector2d& p) const { return box.contains(QPointF(p.x(), p.y())); }
+    /// Of a segment with both ends outside.
+    [[nodiscard]] bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const { return touches(box, a, b); }
+};
 
-}  // namespace
-
-namespace {
+/// A closed loop, as it is painted where it crosses itself.
+struct LoopArea {
+    QPolygonF loop;
+    QRectF bounds = loop.boundingRect();
+    [[nodiscard]] bool contains(const Eigen::Vector2d& p) const { return bounds.contains(QPointF(p.x(), p.y())) && loop.containsPoint(QPointF(p.x(), p.y()), Qt::WindingFill); }
+    [[nodiscard]] bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+        if (!touches(bounds, a, b)) return false;
+        const QLineF segment(QPointF(a.x(), a.y()), QPointF(b.x(), b.y()));
+        for (qsizetype i = 0; i < loop.size(); ++i)
+            if (segment.intersects(QLineF(loop[i], loop[(i + 1) % loop.size()])) == QLineF::BoundedIntersection) return true;
+        return false;
+    }
+};
 
 /// Where a ray crosses a triangle.
 struct Crossing {
@@ -130,21 +137,34 @@ RayHit onBody(const Session& session, const Element& element, const TriangleTree
     return hit;
 }
 
-/// The skin of an element: what cuts left of the body. Null: nothing. Trees are kept while their meshes live; the thread of the window alone asks.
-const TriangleTree* skinOf(const Element& element) {
+/// The skin of an element: what cuts left of the body. Null: nothing. Any thread may ask; the first one makes the tree, which is kept while its mesh lives.
+std::shared_ptr<const TriangleTree> skinOf(const Element& element) {
     struct Kept {
         std::weak_ptr<const ElementMesh> mesh;
-        std::unique_ptr<TriangleTree> tree;
+        std::once_flag once;
+        std::shared_ptr<const TriangleTree> tree;
     };
-    static std::map<const ElementMesh*, Kept> kept;
-    std::erase_if(kept, [](const auto& k) { return k.second.mesh.expired(); });
-    if (const auto known = kept.find(element.mesh.get()); known != kept.end()) return known->second.tree.get();
-    const TriangleMesh& mesh = element.mesh->body;
-    std::vector<std::int32_t> skin;
-    for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
-        if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
-    auto tree = skin.empty() ? nullptr : std::make_unique<TriangleTree>(mesh, std::move(skin));
-    return kept.emplace(element.mesh.get(), Kept{element.mesh, std::move(tree)}).first->second.tree.get();
+    static std::mutex mutex;
+    static std::map<const ElementMesh*, std::shared_ptr<Kept>> all;
+    std::shared_ptr<Kept> kept;
+    {
+        const std::lock_guard lock(mutex);
+        std::erase_if(all, [](const auto& k) { return k.second->mesh.expired(); });
+        std::shared_ptr<Kept>& known = all[element.mesh.get()];
+        if (!known) {
+            known = std::make_shared<Kept>();
+            known->mesh = element.mesh;
+        }
+        kept = known;
+    }
+    std::call_once(kept->once, [&] {
+        const TriangleMesh& mesh = element.mesh->body;
+        std::vector<std::int32_t> skin;
+        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
+            if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
+        if (!skin.empty()) kept->tree = std::make_shared<const TriangleTree>(mesh, std::move(skin));
+    });
+    return kept->tree;
 }
 
 void addSeenHits(const Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
@@ -159,7 +179,7 @@ void addSeenHits(const Session& session, const Vec3& origin, const Vec3& directi
             const auto element = elements.find(seen.elementOf(t));
             if (element == elements.end() || !element->second->visible || element->second->locked) continue;
             const Vec3 a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)), c = mesh.vertices.row(mesh.triangles(t, 2));
-            const TriangleTree* skin = skinOf(*element->second);
+            const auto skin = skinOf(*element->second);
             if (!skin) continue;
             RayHit hit = onBody(session, *element->second, *skin, weighted(crossed->weight, a, b, c), (b - a).cross(c - a));
             hit.distance = crossed->distance;
@@ -174,16 +194,16 @@ void addSeenHits(const Session& session, const Vec3& origin, const Vec3& directi
 }  // namespace
 
 void preparePicking(const Document& document) {
-    std::vector<std::shared_ptr<const ElementMesh>> bodies;
-    std::vector<std::shared_ptr<const RenderModel>> models;
-    for (const auto& [id, element] : document.elements) bodies.push_back(element->mesh);
-    for (const auto& [id, character] : document.characters) models.push_back(character->model);
-    QThreadPool::globalInstance()->start([bodies = std::move(bodies), models = std::move(models)] {
-        attempt([&] {
-            for (const auto& body : bodies) (void)body->connectivity().clusters();
-            for (const auto& model : models) (void)model->mesh.connectivity().clusters();
-        });
-    });
+    QThreadPool::globalInstance()->start([elements = document.elements, characters = document.characters] { attempt([&] { makePicking(elements, characters); }); });
+}
+
+void makePicking(const decltype(Document::elements)& elements, const decltype(Document::characters)& characters) {
+    for (const auto& [id, character] : characters) (void)character->model->mesh.connectivity().clusters();
+    for (const auto& [id, element] : elements) {
+        if (element->piece) (void)skinOf(*element);
+        else (void)element->mesh->connectivity().clusters();
+        (void)element->mesh->connectivity().facts();  // what the inspector says of it, once it is picked
+    }
 }
 
 std::vector<RayHit> rayHits(const Session& session, const Vec3& rayOrigin, const Vec3& rayDirection) {
@@ -465,9 +485,10 @@ std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent&
 namespace {
 
 /// Bones and elements of which an edge touches an area of the view.
-template <class Touches>
-std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEvent& view, const Touches& isTouched) {
+template <class Area>
+std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEvent& view, const Area& area) {
     std::vector<SelectionItem> items;
+    const auto isTouched = [&](const std::optional<Eigen::Vector2d>& a, const std::optional<Eigen::Vector2d>& b) { return a && b && (area.contains(*a) || area.contains(*b) || area.crosses(*a, *b)); };
     if (view.bonesVisible)
         for (const auto& [id, bone] : session.document().bones) {
             const auto from = endpointPosition(session, {id, false}), to = endpointPosition(session, {id, true});
@@ -475,12 +496,25 @@ std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEve
         }
     std::set<PartId> touched;
     const auto touch = [&](const TriangleMesh& mesh, const auto& at, const auto& elementOf) {
-        std::vector<std::optional<Eigen::Vector2d>> seen(std::size_t(mesh.vertices.rows()));
-        for (std::size_t v = 0; v < seen.size(); ++v) seen[v] = view.onScreen(at(std::int32_t(v)));
+        enum class Where : std::uint8_t { BehindEye, Outside, Inside };
+        struct Seen {
+            Eigen::Vector2d at = Eigen::Vector2d::Zero();
+            Where where = Where::BehindEye;
+        };
+        std::vector<Seen> seen(std::size_t(mesh.vertices.rows()));
+        for (std::size_t v = 0; v < seen.size(); ++v)
+            if (const auto p = view.onScreen(at(std::int32_t(v)))) seen[v] = {*p, area.contains(*p) ? Where::Inside : Where::Outside};
+        PartId last = 0;  // that was touched
         for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
-            const auto corner = [&](int c) { return seen[std::size_t(mesh.triangles(t, c))]; };
-            if (touched.contains(elementOf(t))) continue;
-            if (isTouched(corner(0), corner(1)) || isTouched(corner(1), corner(2)) || isTouched(corner(2), corner(0))) touched.insert(elementOf(t));
+            const PartId element = elementOf(t);
+            if (element == last || touched.contains(element)) continue;
+            // An edge of which an end is behind the eye counts for nothing.
+            const auto isIn = [&](int c) {
+                const Seen &a = seen[std::size_t(mesh.triangles(t, c))], &b = seen[std::size_t(mesh.triangles(t, (c + 1) % 3))];
+                if (a.where == Where::BehindEye || b.where == Where::BehindEye) return false;
+                return a.where == Where::Inside || b.where == Where::Inside || area.crosses(a.at, b.at);
+            };
+            if (isIn(0) || isIn(1) || isIn(2)) touched.insert(last = element);
         }
     };
     for (const auto& [id, element] : session.document().elements) {
@@ -498,12 +532,11 @@ std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEve
 }  // namespace
 
 std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QRectF& box) {
-    return itemsTouched(session, view, [&](const auto& a, const auto& b) { return touches(box, a, b); });
+    return itemsTouched(session, view, BoxArea{box});
 }
 
 std::vector<SelectionItem> itemsWithin(const Session& session, const PointerEvent& view, const QPolygonF& loop) {
-    const QRectF bounds = loop.boundingRect();
-    return itemsTouched(session, view, [&](const auto& a, const auto& b) { return touches(loop, bounds, a, b); });
+    return itemsTouched(session, view, LoopArea{loop});
 }
 
 std::uint64_t sceneIdOf(const Document& document, const SelectionItem& item) {

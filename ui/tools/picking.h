@@ -34,6 +34,8 @@ struct RayHit {
 
 /// Makes in the background what rays ask of meshes, so that the first ray waits for none of it.
 void preparePicking(const Document& document);
+/// The same on this thread, whichever it is.
+void makePicking(const decltype(Document::elements)& elements, const decltype(Document::characters)& characters);
 
 /// All crossings with what is seen of visible, unlocked elements, nearest first. rayDirection must be a unit vector.
 std::vector<RayHit> rayHits(const Session& session, const Vec3& rayOrigin, const Vec3& rayDirection);
