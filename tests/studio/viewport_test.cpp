@@ -44,17 +44,33 @@ struct Posing : Window {
 
 }  // namespace
 
-TEST_CASE("viewport: a drag that loses the focus is taken back and leaves no gesture open") {
+TEST_CASE("viewport: what a button holds goes on where another window takes the focus; where it goes elsewhere, or no button holds it, the drag is taken back and leaves no gesture open") {
     Posing w;
     const int before = w.document().session().position();
-    w.beginDrag();
     // Sent as it is, for a display without a window manager has no focus to lose.
-    QFocusEvent lost(QEvent::FocusOut, Qt::ActiveWindowFocusReason);
-    QApplication::sendEvent(&w.view(), &lost);
+    const auto lose = [&](Qt::FocusReason reason) {
+        QFocusEvent lost(QEvent::FocusOut, reason);
+        QApplication::sendEvent(&w.view(), &lost);
+    };
+    w.beginDrag();
+    lose(Qt::ActiveWindowFocusReason);
+    lose(Qt::PopupFocusReason);
+    CHECK(w.view().tools().busy());
+    CHECK(w.now().goals.contains(w.end));
+    lose(Qt::TabFocusReason);
     CHECK(!w.view().tools().busy());
     CHECK(!w.now().goals.contains(w.end));
     CHECK(w.document().session().position() == before);
     QTest::mouseRelease(&w.view(), Qt::LeftButton, {}, w.at());
+    // The pointer leads without a button.
+    w.document().select({{SelectionItem::Kind::Endpoint, w.end.bone, {}, w.end.atEnd}});
+    QTest::mouseMove(&w.view(), w.at());
+    w.settle();
+    QTest::keyClick(&w.view(), Qt::Key_G);
+    REQUIRE(w.view().tools().busy());
+    lose(Qt::ActiveWindowFocusReason);
+    CHECK(!w.view().tools().busy());
+    CHECK(w.document().session().position() == before);
     w.run({{"do", "pin"}, {"endpoint", "bone/start"}});
     CHECK(w.document().session().position() == before + 1);
 }

@@ -360,7 +360,9 @@ void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
 // ---- focus and visibility ------------------------------------------------------------------------------------------------
 
 void ViewportWidget::focusOutEvent(QFocusEvent* e) {
-    if (tools_.busy()) tools_.cancel();
+    // What a button holds goes on where another window or a menu takes the focus, as the pointer's moves still come here: nobody lets go of a puppet because a message pops up.
+    const bool elsewhere = e->reason() == Qt::ActiveWindowFocusReason || e->reason() == Qt::PopupFocusReason;
+    if (tools_.busy() && (!elsewhere || tools_.tool().modal())) tools_.cancel();
     QWidget::focusOutEvent(e);
 }
 

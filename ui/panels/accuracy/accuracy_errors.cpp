@@ -209,7 +209,7 @@ void AccuracyErrors::showPoseOfStudy(int pose) {
     if (study_ && study_->reference && live && input && !outdated_ && pose < int(input->poses.size()) && pose < int(study_->reference->positions.size())) {
         CharacterInput given = input->character;
         for (std::size_t e = 0; e < given.elements.size(); ++e) given.elements[e].response = live->input().elements[e].response;
-        if (auto character = Character::build(std::move(given))) {
+        if (auto character = Character::build(std::move(given), {live})) {
             character->update(input->poses[std::size_t(pose)].pose);
             const PoseError error = errorOf(*character, *study_->reference, std::size_t(pose)).error();
             text = tr("error %1 (largest %2 of the diagonal)").arg(shareText(error.relative), diagonalText(error.percent));
