@@ -34,7 +34,7 @@ void InputListener::hear(Clock::time_point start, Clock::time_point until, const
             }
         again = again && !over();
         // A port with more would be ready at once, again and again.
-        if (std::ranges::any_of(left_, [](int left) { return left == 0; })) {
+        if (again && std::ranges::any_of(left_, [](int left) { return left == 0; })) {
             std::this_thread::sleep_until(until);
             break;
         }

@@ -27,7 +27,7 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     made.lines.erase(made.lines.begin());  // it says where the document came from
     assert(!made.lines.empty());
     for (auto& [element, response] : session.project().responses)
-        if (const auto before = known.find(element); before == known.end() || !(before->second.key == response.key)) made.responses.push_back(std::move(response));
+        if (const auto before = known.find(element); before == known.end() || !(before->second.key == response.key) || before->second.response != response.response) made.responses.emplace_back(element, std::move(response));
     made.character = session.releaseCharacter();
     return made;
 }

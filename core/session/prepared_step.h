@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -25,7 +26,7 @@ struct PreparedStep {
     DocumentHistory::Step step;
     std::vector<Json> lines;  ///< of the script, not empty
     Json answer;
-    std::vector<StoredResponse> responses;  ///< that the command carried over to other elements
+    std::vector<std::pair<PartId, StoredResponse>> responses;  ///< that elements got by it: what is moved or copied keeps its results
     std::shared_ptr<const BuiltCharacter> character;  ///< of `after`, null: it cannot be built
 
     /// What the command found is still so: the document differs from `before` in its pose at most, which passes with time.

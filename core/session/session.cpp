@@ -154,8 +154,12 @@ Json Session::takeOver(const PreparedStep& made) {
     change.document = difference(before, made.after);
     change.history = change.pose = true;
     history_.addStep(made.step, made.after, made.lines);
-    for (const StoredResponse& response : made.responses)
-        if (!responses_.store().find(response.key)) responses_.insert(response.key, response.response, true);
+    change.responses = !made.responses.empty();
+    try {
+        for (const auto& [element, response] : made.responses) responses_.bring(element, response);
+    } catch (const std::bad_alloc&) {
+        // What is missing is computed again.
+    }
     live_->reuse(made.character);
     live_->wake(true);
     live_->followExchange(before);

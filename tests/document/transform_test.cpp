@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "core/document/hanging.h"
+#include "core/session/prepared_step.h"
 #include "tests/document/workbench.h"
 
 using namespace imomushi;
@@ -32,6 +33,34 @@ Vec3 endOf(Workbench& w, const char* end) {
 }
 
 }  // namespace
+
+TEST_CASE("transform: what is prepared on a copy brings the results along that it carried over, fresh ones and those that only fit, as the command itself does") {
+    for (const bool fresh : {true, false}) {
+        CAPTURE(fresh);
+        Workbench direct, w;
+        for (Workbench* of : {&direct, &w}) {
+            of->buildChain();
+            of->good({{"do", "precompute"}});
+            if (!fresh) of->good({{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}});
+        }
+        const Json command = turnedBy({"B"});
+        auto made = prepareStep(coreRegistry(), w.session.project(), command, {}, {});
+        REQUIRE(made);
+        direct.good(command);
+        w.session.setPrepared(std::make_shared<const PreparedStep>(std::move(*made)));
+        bool told = false;
+        w.session.setListener([&](const Session::Change& change) { told = told || change.responses; });
+        w.good(command);
+        CHECK(told);
+        for (const char* name : {"A", "B"}) {
+            CAPTURE(name);
+            CHECK(w.session.responseState(partNamed(w, name)) == direct.session.responseState(partNamed(direct, name)));
+            REQUIRE(direct.session.responses().fittingOf(partNamed(direct, name)));
+            CHECK(w.session.responses().fittingOf(partNamed(w, name)));
+            CHECK(w.session.positionsOf(partNamed(w, name)) == direct.session.positionsOf(partNamed(direct, name)));
+        }
+    }
+}
 
 TEST_CASE("transform: a chain that is turned and moved as it is posed looks the same there, with its results, kept poses and pins, and nothing is solved again; one step") {
     Workbench w;

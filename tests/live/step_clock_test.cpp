@@ -77,8 +77,9 @@ TEST_CASE("step thread: steps that take longer than their time are said to be le
     double before = 0.0;  // the last step, whose time is not over
     for (int i = 0; i < 30; ++i) {
         before = passed();
+        const int made = steps;
         thread.run(100.0);
-        while (steps == i) std::this_thread::sleep_for(1ms);
+        while (steps == made) std::this_thread::sleep_for(1ms);
         thread.park();
     }
     MESSAGE(steps.load() << " steps of 10 ms in " << before << " to " << passed() << " s, " << thread.leftOut() << " s left out");

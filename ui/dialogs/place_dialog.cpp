@@ -251,8 +251,9 @@ void PlaceDialog::placeCut() {
             document.select({{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(name))].id, {}, false}});
         if (dialog) dialog->accept();
     };
-    step.refused = [dialog = QPointer(this)](const Error& error) {
+    step.refused = [&document = document_, dialog = QPointer(this)](const Error& error) {
         if (dialog) dialog->refuse(error);
+        else Q_EMIT document.failed(errorText(error));
     };
     place_->setEnabled(false);
     document_.executeSlow(std::move(step));

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "ui/models/failures.h"
+
 namespace imomushi {
 
 void StepJob::start(StudioDocument& document, const SlowStep& step) {
@@ -11,8 +13,10 @@ void StepJob::start(StudioDocument& document, const SlowStep& step) {
     launch(
         [box, &registry = document.session().registry(), project = document.project(), command = step.command, arrange = step.arrange, lookFurther = step.lookFurther, afterwards = afterwards_](const Progress& progress) {
             *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress));
-            if (**box && afterwards) afterwards((**box)->after);
-            if (!**box && lookFurther) lookFurther(project.document);
+            if (progress.cancelled()) return;
+            // Without these the step is as good.
+            if (**box && afterwards) attempt([&] { afterwards((**box)->after); });
+            if (!**box && lookFurther) attempt([&] { lookFurther(project.document); });
         },
         [this, box] { result_ = *box; });
 }

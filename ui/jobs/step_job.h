@@ -19,8 +19,9 @@ public:
     void start(StudioDocument& document, const SlowStep& step);
     /// Called on the other thread with the document that a step made: what would be made when somebody first asks is made there.
     void setAfterwards(std::function<void(const Document&)> afterwards) { afterwards_ = std::move(afterwards); }
-    /// Of the last completed run; null before.
+    /// Of the last completed run; null before. It keeps a character, until dropResult().
     [[nodiscard]] const std::shared_ptr<const Result<PreparedStep>>& result() const { return result_; }
+    void dropResult() { result_ = nullptr; }
 
 private:
     std::function<void(const Document&)> afterwards_;

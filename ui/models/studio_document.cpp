@@ -107,6 +107,10 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
 
 void StudioDocument::executeSlow(SlowStep step) {
     if (beside_ && !inGesture() && takesLong(document(), step)) return beside_(std::move(step));
+    executeAtOnce(step);
+}
+
+void StudioDocument::executeAtOnce(const SlowStep& step) {
     const Services usual = session_.services();
     if (step.arrange) step.arrange(session_);
     const auto answer = execute(step.command, bool(step.refused));

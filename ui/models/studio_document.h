@@ -43,6 +43,7 @@ public:
 
     /// Executes a command that may take its time: at once where the document is small or a gesture is open, else beside the window (setBeside()), some time later.
     void executeSlow(SlowStep step);
+    void executeAtOnce(const SlowStep& step);
     /// Who does slow steps beside the window; nobody: they are done at once.
     void setBeside(std::function<void(SlowStep)> beside) { beside_ = std::move(beside); }
     /// The same as execute(), of a command whose work was done beside the window.

@@ -203,7 +203,8 @@ void CutDrag::keep() {
     const auto nearest = std::make_shared<std::optional<CutPlane>>();
     SlowStep step;
     step.command = commands::moveCut(name, to.origin, to.normal);
-    step.lookFurther = [nearest, kept, to](const Document& document) { *nearest = nearestCut(document, kept->grip.frame.elements[0], kept->grip.cut, to); };
+    step.lookFurther = [nearest, to, element = kept->grip.frame.elements[0], moved = kept->grip.cut](const Document& document) { *nearest = nearestCut(document, element, moved, to); };
+    step.done = [kept](const Json&) {};  // until then it is seen
     step.refused = [&document = document_, nearest, name](const Error& error) {
         const QString reason = errorText(error);
         if (*nearest) Q_EMIT document.offered(reason, ToolTexts::tr("Move it to the nearest place that works"), commands::moveCut(name, (*nearest)->origin, (*nearest)->normal));

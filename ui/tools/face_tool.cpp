@@ -474,7 +474,7 @@ void FaceTool::cut() {
         }
         showCut(document, answer);
     };
-    step.lookFurther = [=](const Document& document) { *nearest = nearestCut(document, id, 0, *plane); };
+    step.lookFurther = [nearest, id, at = *plane](const Document& document) { *nearest = nearestCut(document, id, 0, at); };
     step.refused = [&document = document_, nearest, plane, name](const Error& error) {
         const QString reason = errorText(error);
         if (!*nearest) return Q_EMIT document.failed(reason);

@@ -118,8 +118,8 @@ void ActionStates::namePoses() {
 void ActionStates::updateSteps() {
     const Session& session = document_.session();
     const int position = session.position(), steps = int(session.steps().size());
-    actions_.allow("undo", position > 0, tr("There is nothing to undo."));
-    actions_.allow("redo", position < steps, tr("There is nothing to redo."));
+    actions_.allow("undo", position > 0 || steps_.running(), tr("There is nothing to undo."));
+    actions_.allow("redo", position < steps && !steps_.running(), tr("There is nothing to redo."));
     const auto tell = [&](const char* id, const QString& text, int i) {
         if (i < 0 || i >= steps) return;
         const auto& step = session.steps()[std::size_t(i)];

@@ -2,6 +2,7 @@
 #include "ui/window/file_flow.h"
 
 #include <QDir>
+#include <QEventLoop>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QGuiApplication>
@@ -122,7 +123,7 @@ QString FileFlow::folder() const {
 
 bool FileFlow::mayDiscard() {
     Q_EMIT leaving();
-    if (!document_.session().modified()) return true;
+    if (!document_.session().modified() && !steps_.running()) return true;
     QMessageBox box(window_);
     box.setIcon(QMessageBox::NoIcon);
     const QString path = pathOf(document_.session());
@@ -135,8 +136,16 @@ bool FileFlow::mayDiscard() {
     box.setDefaultButton(keep);
     box.setEscapeButton(cancel);
     box.exec();
-    if (box.clickedButton() == keep) return save();
-    return box.clickedButton() == drop;
+    if (box.clickedButton() == drop) steps_.cancel();
+    if (box.clickedButton() != keep) return box.clickedButton() == drop;
+    if (steps_.running()) {  // what was asked for belongs to it; it can be cancelled
+        QEventLoop loop;
+        connect(&steps_, &StepFlow::changed, &loop, [&] {
+            if (!steps_.running()) loop.quit();
+        });
+        loop.exec();
+    }
+    return save();
 }
 
 bool FileFlow::offerRecovery() {

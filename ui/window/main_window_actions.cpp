@@ -364,7 +364,7 @@ void MainWindow::propose() {
 void MainWindow::undo() {
     // Undo in the middle of a drag takes the drag back, nothing more.
     if (viewport_->tools().busy()) viewport_->tools().cancel();
-    else if (steps_->running()) steps_->cancel();  // it is what was asked for last
+    else if (steps_->isLatest()) steps_->cancelLatest();  // not made yet, and what was asked for last
     else if (!document_.inGesture() && !viewport_->tools().undo()) document_.execute(commands::undo());
 }
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/document/document_change.h"
 #include "ui/models/texts.h"
 
 namespace imomushi {
@@ -27,13 +28,13 @@ StepFlow::StepFlow(StudioDocument& document, std::function<bool()> busy, QObject
 
 QString StepFlow::title() const {
     if (waiting_.empty()) return {};
-    const SlowStep& step = waiting_.front();
+    const SlowStep& step = waiting_.front().step;
     return step.title.isEmpty() ? stepText(step.command.at("do").get<std::string>(), {}) : step.title;
 }
 
 void StepFlow::start(SlowStep step) {
-    waiting_.push_back(std::move(step));
-    if (waiting_.size() > 1) return;
+    waiting_.push_back({std::move(step), document_.session().position()});
+    if (waiting_.size() > 1 || takingOver_) return;
     tries_ = 0;
     next();
     Q_EMIT changed();
@@ -45,21 +46,35 @@ void StepFlow::cancel() {
     if (waiting_.empty()) return;
     waiting_.clear();
     Q_EMIT changed();
+    Q_EMIT cancelled();
+}
+
+void StepFlow::cancelLatest() {
+    if (waiting_.size() <= 1) return cancel();
+    waiting_.pop_back();
+    Q_EMIT changed();
+    Q_EMIT cancelled();
 }
 
 void StepFlow::next() {
     ++tries_;
-    job_.start(document_, waiting_.front());
+    begun_ = document_.document();
+    job_.start(document_, waiting_.front().step);
 }
 
 void StepFlow::finish() {
     if (busy_()) return later_.start();
     const std::shared_ptr<const Result<PreparedStep>> made = job_.result();
-    if (*made && !(*made)->fits(document_.document()) && tries_ < kMostTries) return next();
+    const bool fits = differInPoseAtMost(begun_, document_.document());  // a refusal is of that document, too
+    if (!fits && tries_ < kMostTries) return next();
+    job_.dropResult();
+    takingOver_ = true;
     {
-        const SlowStep step = std::move(waiting_.front());
+        const SlowStep step = std::move(waiting_.front().step);
         waiting_.pop_front();
-        if (*made) {
+        if (!fits) {
+            document_.executeAtOnce(step);
+        } else if (*made) {
             const auto answer = document_.executePrepared(step.command, {made, &**made});
             if (answer && step.done) step.done(*answer);
         } else if (step.refused) {
@@ -68,6 +83,8 @@ void StepFlow::finish() {
             Q_EMIT document_.failed(errorText(made->error()));
         }
     }
+    takingOver_ = false;
+    for (Waiting& other : waiting_) other.position = document_.session().position();
     tries_ = 0;
     if (!waiting_.empty()) next();
     Q_EMIT changed();

@@ -27,6 +27,10 @@ public:
     void start(SlowStep step);
     /// Gives up what is being done and what waits.
     void cancel();
+    /// No command was executed since the last one of them was asked for.
+    [[nodiscard]] bool isLatest() const { return !waiting_.empty() && waiting_.back().position == document_.session().position(); }
+    /// Gives up the one that was asked for last.
+    void cancelLatest();
 
 signals:
     void changed();    ///< running() may be another
@@ -40,8 +44,14 @@ private:
     std::function<bool()> busy_;
     StepJob job_;
     QTimer later_;
-    std::deque<SlowStep> waiting_;
+    struct Waiting {
+        SlowStep step;
+        int position = 0;  ///< of the history when it was asked for, or when one before it was done
+    };
+    std::deque<Waiting> waiting_;
     int tries_ = 0;
+    bool takingOver_ = false;  // what follows a step may ask for another
+    Document begun_;           // that the job works on
 };
 
 }  // namespace imomushi
