@@ -21,7 +21,7 @@ struct ElementState;
 /// put into the order of the file, where morph targets move them (MorphTables).
 class RenderMeshJob final : public FrameJob {
 public:
-    /// known: tables that may fit, of a character before.
+    /// `known`: of characters before, whose tables may fit.
     RenderMeshJob(const Frame& frame, std::span<const RenderMeshJob* const> known);
 
     void run(Stage stage, Frame& frame) override;

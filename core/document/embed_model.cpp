@@ -308,10 +308,10 @@ const EmbeddedModel& EmbeddedModels::of(const Document& document, const Characte
         places.push_back(static_cast<int>(std::distance(document.elements.begin(), element)));
     }
     auto& all = known_[character.id];
-    const auto same = [&](const std::shared_ptr<const Known>& k) {
+    const auto fits = [&](const std::shared_ptr<const Known>& k) {
         return k->model == now.model && k->body == now.body && k->attachments == now.attachments && k->origins == now.origins && k->meshes == now.meshes && k->embedded.elements == ids && k->embedded.places == places;
     };
-    if (const auto found = std::find_if(all.begin(), all.end(), same); found != all.end()) {
+    if (const auto found = std::find_if(all.begin(), all.end(), fits); found != all.end()) {
         std::rotate(found, found + 1, all.end());
         return all.back()->embedded;
     }
@@ -322,9 +322,9 @@ const EmbeddedModel& EmbeddedModels::of(const Document& document, const Characte
             const auto before = std::find(was.elements.begin(), was.elements.end(), ids[e]);
             if (before == was.elements.end() || !now.embedded.points[e]) continue;
             const auto& points = was.points[static_cast<std::size_t>(before - was.elements.begin())];
-            if (points && imomushi::same(*points, *now.embedded.points[e])) now.embedded.points[e] = points;
+            if (points && same(*points, *now.embedded.points[e])) now.embedded.points[e] = points;
         }
-        if (imomushi::same(*was.mesh, *now.embedded.mesh)) now.embedded.mesh = was.mesh;
+        if (same(*was.mesh, *now.embedded.mesh)) now.embedded.mesh = was.mesh;
     }
     remember(character.id, std::make_shared<const Known>(std::move(now)));
     return all.back()->embedded;

@@ -16,7 +16,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::string_view kFirst = "imomushi input 2\n", kFormer = "imomushi input 1\n";
+constexpr std::string_view kFirst = "imomushi input 2\n";
 constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // of a file: hours of two senders
 constexpr std::size_t kMostSteps = 10'000'000;            // as the command "step" makes at once
 constexpr double kLongestStep = 10.0;                     // s
@@ -66,7 +66,7 @@ Result<RawInputs> RawInputs::read(const std::filesystem::path& path) {
     const auto tooLong = [&] { return fail("input-too-long", name + " has more than ten million steps: record shorter parts."); };
     RawReader in{made.bytes};
     const auto first = in.take(kFirst.size());
-    if (!in.ok || (std::memcmp(first.data(), kFirst.data(), kFirst.size()) != 0 && std::memcmp(first.data(), kFormer.data(), kFormer.size()) != 0)) return refuse("its beginning is another one");
+    if (!in.ok || std::memcmp(first.data(), kFirst.data(), kFirst.size()) != 0) return refuse("its beginning is another one");
     made.seconds = std::bit_cast<double>(in.number(8));
     if (!in.ok || !(made.seconds > 0.0 && made.seconds <= kLongestStep)) return refuse("its steps have no length");
     const std::size_t sources = in.number(1);

@@ -24,7 +24,7 @@ struct RawSource {
 
 /// Packets as they came, with their times and the step of the performance that took them: whoever plays them does what was done then.
 /// File, numbers with their low byte first: "imomushi input 2\n"; seconds of a step (double); number of sources (u8), of each protocol (u8), length (u8) and name; then records. A packet is
-/// 'p', source (u8), nanoseconds since the beginning (i64), length (u16) and bytes; 's' ends a step, 'r' and a number (u32) stand for so many steps that were not made, as nothing moved (a first line with 1: it has none). A file that ends within a record is whole up to its last step.
+/// 'p', source (u8), nanoseconds since the beginning (i64), length (u16) and bytes; 's' ends a step, 'r' and a number (u32) stand for so many steps that were not made, as nothing moved. A file that ends within a record is whole up to its last step.
 struct RawInputs {
     static constexpr std::size_t kMostSources = 64;
     std::vector<RawSource> sources;

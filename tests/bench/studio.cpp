@@ -332,7 +332,7 @@ int main(int argc, char** argv) {
         measure(name, [&] { executeSlow({{"do", "cut"}, {"element", of}, {"name", name}, {"plane", {{"origin", {0, 0, z}}, {"normal", {0, 0, 1}}}}}); });
     };
     cut("cut", "worm body", 0.5);
-    cut("cut again", "worm body", -2.5);
+    cut("cut again", "worm body", 0.25);
     measure("move a cut", [&] { executeSlow({{"do", "move-cut"}, {"cut", "cut"}, {"plane", {{"origin", {0, 0, 0.6}}, {"normal", {0, 0, 1}}}}}); });
     hover("hover of a third cut", ToolKind::Face);
     view.tools().setTool(ToolKind::Select);

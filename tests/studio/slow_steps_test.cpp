@@ -103,6 +103,7 @@ TEST_CASE("slow steps: a large character that is moved stays where the hand put 
     w.document().select({{SelectionItem::Kind::Character, w.character().id, {}, false}});
     w.settle();
     const auto picture = [&] { return w.view().grabFramebuffer(); };
+    const QImage still = picture();
     QTest::mouseMove(&w.view(), w.onScreen(Vec3(0, 0, 0.5)));
     w.settle();
     QTest::keyClick(&w.view(), Qt::Key_G);
@@ -127,10 +128,13 @@ TEST_CASE("slow steps: a large character that is moved stays where the hand put 
     // A point of the worm that is above where all of it was before.
     const QPoint above = w.onScreen(Vec3(0.0, 1.3, 0.3));
     const double ratio = waiting.devicePixelRatio();
-    const QColor seen = waiting.pixelColor((QPointF(above) * ratio).toPoint());
-    const QColor then = picture().pixelColor((QPointF(above) * ratio).toPoint());
-    // The same flesh, but for its outline as selected.
-    CHECK(std::abs(seen.red() - then.red()) + std::abs(seen.green() - then.green()) + std::abs(seen.blue() - then.blue()) < 60);
+    const auto apart = [&](const QImage& a, const QImage& b) {
+        const QColor one = a.pixelColor((QPointF(above) * ratio).toPoint()), other = b.pixelColor((QPointF(above) * ratio).toPoint());
+        return std::abs(one.red() - other.red()) + std::abs(one.green() - other.green()) + std::abs(one.blue() - other.blue());
+    };
+    // The same flesh, but for how a selection is tinted; before it was moved, the background.
+    CHECK(apart(waiting, picture()) < 60);
+    CHECK(apart(waiting, still) > 120);
 }
 
 TEST_CASE("slow steps: copies, mirror images and what is removed of a large character come beside the window, as one step each") {

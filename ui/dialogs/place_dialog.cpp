@@ -239,16 +239,16 @@ void PlaceDialog::refuse(const Error& error) {
 }
 
 void PlaceDialog::placeCut() {
-    const std::string name = name_->text().trimmed().toStdString();
     // Whatever ends it, this dialog may be gone by then.
     const std::shared_ptr<void> over(nullptr, [dialog = QPointer(this)](void*) {
         if (dialog) dialog->place_->setEnabled(true);
     });
     SlowStep step;
-    step.command = commands::cut(chosen(), valueOf(origin_), valueOf(normal_), {}, name);
-    step.done = [&document = document_, name, over, dialog = QPointer(this)](const Json&) {
-        if (const CharacterSource* character = document.document().characterOfCut(name))
-            document.select({{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(name))].id, {}, false}});
+    step.command = commands::cut(chosen(), valueOf(origin_), valueOf(normal_), {}, name_->text().trimmed().toStdString());
+    step.done = [&document = document_, over, dialog = QPointer(this)](const Json& answer) {
+        const std::string made = answer.at("cut").get<std::string>();
+        if (const CharacterSource* character = document.document().characterOfCut(made))
+            document.select({{SelectionItem::Kind::Cut, character->cuts[std::size_t(character->cutIndex(made))].id, {}, false}});
         if (dialog) dialog->accept();
     };
     step.refused = [&document = document_, dialog = QPointer(this)](const Error& error) {

@@ -43,6 +43,7 @@ public:
 
     /// Executes a command that may take its time: at once where the document is small or a gesture is open, else beside the window (setBeside()), some time later.
     void executeSlow(SlowStep step);
+    /// The same while the window waits.
     void executeAtOnce(const SlowStep& step);
     /// Who does slow steps beside the window; nobody: they are done at once.
     void setBeside(std::function<void(SlowStep)> beside) { beside_ = std::move(beside); }

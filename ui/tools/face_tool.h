@@ -72,7 +72,7 @@ private:
     /// Shows where the flesh would be cut, or why not.
     void previewCut(const CutPlane& plane);
     void cut();
-    /// What is seen of a cut that was made.
+    /// Selects the cut that was made, and says so.
     static void showCut(StudioDocument& document, const Json& answer);
     /// Null: it is being made; then lookAgain() follows.
     [[nodiscard]] const SectionFinder* sections(const std::shared_ptr<const Element>& element);

@@ -360,7 +360,7 @@ void ViewportWidget::keyReleaseEvent(QKeyEvent* e) {
 // ---- focus and visibility ------------------------------------------------------------------------------------------------
 
 void ViewportWidget::focusOutEvent(QFocusEvent* e) {
-    // What a button holds goes on where another window or a menu takes the focus, as the pointer's moves still come here: nobody lets go of a puppet because a message pops up.
+    // What a button holds goes on where another window or a popup takes the focus: nobody lets go of a puppet because a message comes up. Where the release goes there, the next move tells.
     const bool elsewhere = e->reason() == Qt::ActiveWindowFocusReason || e->reason() == Qt::PopupFocusReason;
     if (tools_.busy() && (!elsewhere || tools_.tool().modal())) tools_.cancel();
     QWidget::focusOutEvent(e);

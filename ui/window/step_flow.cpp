@@ -68,6 +68,7 @@ void StepFlow::finish() {
     const bool fits = differInPoseAtMost(begun_, document_.document());  // a refusal is of that document, too
     if (!fits && tries_ < kMostTries) return next();
     job_.dropResult();
+    begun_ = {};
     takingOver_ = true;
     {
         const SlowStep step = std::move(waiting_.front().step);
