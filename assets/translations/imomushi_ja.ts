@@ -1515,6 +1515,26 @@
             <translation>保存したポーズが壊れています。</translation>
         </message>
         <message>
+            <source>There is no cycle of that name.</source>
+            <translation>その名前のサイクルはありません。</translation>
+        </message>
+        <message>
+            <source>A cycle goes through 2 to 64 kept poses. Choose as many.</source>
+            <translation>サイクルは、保存したポーズ 2～64 個を通ります。その数だけ選んでください。</translation>
+        </message>
+        <message>
+            <source>There are too many cycles. Remove some first.</source>
+            <translation>サイクルが多すぎます。先にいくつか削除してください。</translation>
+        </message>
+        <message>
+            <source>A cycle goes through this pose. Remove that cycle, or give it other poses, first.</source>
+            <translation>このポーズを通るサイクルがあります。先にそのサイクルを削除するか、ほかのポーズに変えてください。</translation>
+        </message>
+        <message>
+            <source>A cycle is broken.</source>
+            <translation>サイクルが壊れています。</translation>
+        </message>
+        <message>
             <source>Nothing of the selection can be copied.</source>
             <translation>選択したものはコピーできません。</translation>
         </message>
@@ -2069,6 +2089,18 @@
         <message>
             <source>Remove pose</source>
             <translation>ポーズを削除</translation>
+        </message>
+        <message>
+            <source>Make cycle</source>
+            <translation>サイクルを作成</translation>
+        </message>
+        <message>
+            <source>Rename cycle</source>
+            <translation>サイクルの名前を変更</translation>
+        </message>
+        <message>
+            <source>Remove cycle</source>
+            <translation>サイクルを削除</translation>
         </message>
         <message>
             <source>Paste</source>
@@ -6786,6 +6818,35 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Pose “%1”</source>
             <comment>a kept pose</comment>
             <translation>ポーズ「%1」</translation>
+        </message>
+        <message>
+            <source>Cycle “%1”</source>
+            <comment>a movement that repeats</comment>
+            <translation>サイクル「%1」</translation>
+        </message>
+        <message>
+            <source>amount</source>
+            <comment>of a cycle</comment>
+            <translation>量</translation>
+        </message>
+        <message>
+            <source>speed</source>
+            <comment>of a cycle</comment>
+            <translation>速さ</translation>
+        </message>
+        <message>
+            <source>Cycles</source>
+            <translation>サイクル</translation>
+        </message>
+        <message>
+            <source>%1, amount</source>
+            <comment>a cycle</comment>
+            <translation>%1、量</translation>
+        </message>
+        <message>
+            <source>%1, speed</source>
+            <comment>a cycle</comment>
+            <translation>%1、速さ</translation>
         </message>
         <message>
             <source>Poses</source>

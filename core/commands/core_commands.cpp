@@ -27,6 +27,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addPropertyCommands(registry);
     addEffectCommands(registry);
     addKeptPoseCommands(registry);
+    addCycleCommands(registry);
     addMappingCommands(registry);
     addPoseCheckCommands(registry);
     addSolveCommands(registry);

@@ -6,6 +6,8 @@
 #include "core/commands/handle_commands.h"
 #include "core/commands/mapping_commands.h"
 #include "core/document/command_support.h"
+#include "core/document/cycle.h"
+#include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/project/project_versions.h"
 #include "core/session/session_access.h"
@@ -64,6 +66,8 @@ Json contents(const Session& session) {
     answer["held"] = std::move(held);
     answer["basis"] = basisName(document.settings.basis);
     answer["characters"] = charactersJson(document);
+    for (const KeptPose& pose : keptPoses(document)) answer["poses"].push_back(pose.name);
+    if (document.cycles) answer["cycles"] = cyclesJson(*document.cycles);
     if (document.mappings) answer["mappings"] = shownMappings(document);
     if (const UnknownRows& unknown = document.unknown; !(unknown.effects.empty() && unknown.properties.empty() && unknown.settings.empty())) {
         Json names = Json::array();

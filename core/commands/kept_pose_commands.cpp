@@ -5,6 +5,7 @@
 #include "core/commands/core_commands.h"
 #include "core/document/character_input.h"
 #include "core/document/command_support.h"
+#include "core/document/cycle.h"
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
@@ -132,6 +133,7 @@ Result<Json> renamePose(DocumentEdit& edit, const Json& arguments, const Progres
     if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
     if (keptPose(edit.document, name)) return fail("name-taken", "There is a pose \"" + name + "\" already: choose another name.");
     renameMapped(edit.document, "pose", pose->name, name);
+    renamePoseInCycles(edit.document, pose->name, name);
     poses[std::size_t(pose - poses.begin())].name = name;
     setKeptPoses(edit.document, std::move(poses));
     return Json::object();
@@ -140,6 +142,9 @@ Result<Json> renamePose(DocumentEdit& edit, const Json& arguments, const Progres
 Result<Json> removePose(DocumentEdit& edit, const Json& arguments, const Progress&) {
     KeptPoses poses = keptPoses(edit.document);
     IMOMUSHI_TRY(const auto pose, poseNamed(poses, text(arguments, "pose")));
+    // A gait without one of its poses would be another one, and nobody asked for that.
+    if (const auto through = cyclesThrough(edit.document, pose->name); !through.empty())
+        return fail("pose-in-cycle", "The pose \"" + pose->name + "\" belongs to the cycle \"" + through.front() + "\": remove that cycle, or give it other poses, first.");
     poses.erase(pose);
     setKeptPoses(edit.document, std::move(poses));
     return Json::object();
@@ -160,7 +165,7 @@ void addKeptPoseCommands(CommandRegistry& registry) {
     registry.addChange("rest-bones", "Brings bones back to rest against their parents; what hangs on them goes along. Targets there are let go, pins are not.",
                        {{"bones", Type::Array, true, "Their names."}, {"chain", Type::Boolean, false, "With all bones that hang on them (false)."}}, restSome, showRested);
     registry.addChange("rename-pose", "Renames a kept pose.", {{"pose", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no kept pose has."}}, renamePose);
-    registry.addChange("remove-pose", "Removes a kept pose.", {{"pose", Type::Text, true, "Its name."}}, removePose);
+    registry.addChange("remove-pose", "Removes a kept pose that no cycle goes through.", {{"pose", Type::Text, true, "Its name."}}, removePose);
 }
 
 }  // namespace imomushi

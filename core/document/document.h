@@ -193,6 +193,10 @@ using InputMappings = std::vector<InputMapping>;
 struct KeptPose;
 using KeptPoses = std::vector<KeptPose>;
 
+/// Movements that repeat through kept poses (cycle.h), in their order.
+struct Cycle;
+using Cycles = std::vector<Cycle>;
+
 /// What the artist authors, in immutable parts: a change replaces a part by another one. Commands change it (document_edit.h); as frames pass, inverse kinematics
 /// moves `pose` and glides advance (live_character.h).
 struct Document {
@@ -210,6 +214,7 @@ struct Document {
     std::vector<Touch> touches;        ///< fingers that are down
     std::shared_ptr<const InputMappings> mappings;  ///< null: nothing is mapped
     std::shared_ptr<const KeptPoses> poses;  ///< null: none is kept
+    std::shared_ptr<const Cycles> cycles;    ///< null: there is none
     Pose pose;                         ///< empty: at rest
     PartId nextId = 1;
     UnknownRows unknown;

@@ -76,7 +76,7 @@ bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b)
 }  // namespace
 
 bool DocumentChange::empty() const { return !structure() && !posing(); }
-bool DocumentChange::structure() const { return unknown || !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects || mappings || poses; }
+bool DocumentChange::structure() const { return unknown || !elements.empty() || !joints.empty() || !bones.empty() || !characters.empty() || !takes.empty() || settings || effects || mappings || poses || cycles; }
 bool DocumentChange::posing() const { return !goals.empty() || !handleGoals.empty() || !turns.empty() || !morphs.empty() || touches || pose; }
 
 DocumentChange difference(const Document& before, const Document& after) {
@@ -95,6 +95,7 @@ DocumentChange difference(const Document& before, const Document& after) {
     if (!(before.touches == after.touches)) change.touches = before.touches;
     if (before.mappings != after.mappings) change.mappings = before.mappings;
     if (before.poses != after.poses) change.poses = before.poses;
+    if (before.cycles != after.cycles) change.cycles = before.cycles;
     if (!samePose(before.pose, after.pose)) change.pose = before.pose;
     return change;
 }
@@ -120,6 +121,7 @@ void exchange(Document& document, DocumentChange& change) {
     if (change.touches) std::swap(document.touches, *change.touches);
     if (change.mappings) std::swap(document.mappings, *change.mappings);
     if (change.poses) std::swap(document.poses, *change.poses);
+    if (change.cycles) std::swap(document.cycles, *change.cycles);
     if (change.pose) std::swap(document.pose, *change.pose);
 }
 

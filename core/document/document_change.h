@@ -28,6 +28,7 @@ struct DocumentChange {
     std::optional<std::vector<Touch>> touches;
     std::optional<std::shared_ptr<const InputMappings>> mappings;
     std::optional<std::shared_ptr<const KeptPoses>> poses;
+    std::optional<std::shared_ptr<const Cycles>> cycles;
     std::optional<Pose> pose;
     bool unknown = false;  ///< memory ran out while documents were compared: listeners must take it that anything differs
 
@@ -42,7 +43,7 @@ struct DocumentChange {
     /// What responses are solved from differs.
     [[nodiscard]] bool forResponses() const { return has(&DocumentChange::elements) || has(&DocumentChange::effects) || has(&DocumentChange::settings); }
     [[nodiscard]] bool empty() const;
-    /// Elements, joints, bones, characters, settings, effects, takes, mappings or kept poses differ.
+    /// Elements, joints, bones, characters, settings, effects, takes, mappings, kept poses or cycles differ.
     [[nodiscard]] bool structure() const;
     /// Targets of endpoints or handles, turns of parts, weights of morph targets, fingers or the pose differ.
     [[nodiscard]] bool posing() const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/document/command_support.h"
+#include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "core/document/morph_weights.h"
 #include "core/document/side_names.h"
@@ -59,6 +60,11 @@ std::optional<TargetParts> partsOf(std::string_view text) {
         made.target.kind = Kind::Pose;
         return made;
     }
+    if (kind == "cycle") {
+        if (rest != "amount" && rest != "speed") return std::nullopt;
+        made.target.kind = rest == "amount" ? Kind::CycleAmount : Kind::CycleSpeed;
+        return made;
+    }
     if (kind == "take" || kind == "trigger") {
         if (kind == "trigger" ? name != "let-go" || !rest.empty() : rest != "play" && rest != "stop") return std::nullopt;
         made.target.kind = kind == "trigger" ? Kind::LetGo : rest == "play" ? Kind::PlayTake : Kind::StopTake;
@@ -87,7 +93,7 @@ std::optional<TargetParts> partsOf(std::string_view text) {
 }
 
 tl::unexpected<Error> badTarget(std::string_view text) {
-    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z), \"morph/CHARACTER/NAME\", \"pose/NAME/weight\", \"effect/NAME/PROPERTY\", \"take/NAME/play\" (stop) or \"trigger/let-go\".");
+    return fail("bad-value", "\"" + std::string(text) + "\" is nothing that can be driven: it is \"handle/NAME/x\" (y, z, turn-x, turn-y, turn-z), \"bone/NAME/end/x\" (or start; y, z, roll), \"bone/NAME/turn-x\" (y, z), \"morph/CHARACTER/NAME\", \"pose/NAME/weight\", \"cycle/NAME/amount\" (speed), \"effect/NAME/PROPERTY\", \"take/NAME/play\" (stop) or \"trigger/let-go\".");
 }
 
 tl::unexpected<Error> tooMany() { return fail("too-many-mappings", "A table has at most " + std::to_string(InputMapping::kMost) + " mappings: remove some first."); }
@@ -118,7 +124,11 @@ Result<void> readFlag(const Json& value, const char* key, bool& to) {
 }
 
 /// What a target may become, in its unit.
-double largestOf(const MappedTarget& target) { return target.kind == MappedTarget::Kind::Morph || target.kind == MappedTarget::Kind::Pose ? kLargestMorphWeight : kMaxCoordinate / 4.0; }
+double largestOf(const MappedTarget& target) {
+    using Kind = MappedTarget::Kind;
+    if (target.kind == Kind::CycleSpeed) return Cycle::kFastest;
+    return target.kind == Kind::Morph || target.kind == Kind::Pose || target.kind == Kind::CycleAmount ? kLargestMorphWeight : kMaxCoordinate / 4.0;
+}
 
 /// "swing-hertz", "acceleration/y". Errors: "no-such-effect", "no-such-property", "bad-value".
 Result<void> readEffect(std::string_view name, std::string_view part, MappedTarget& target) {
@@ -159,6 +169,10 @@ Result<MappedTarget> mappedTarget(const Document& document, std::string_view tex
         const KeptPose* pose = keptPose(document, parts->name);
         if (!pose) return fail("no-such-pose", "There is no kept pose \"" + std::string(parts->name) + "\".");
         made.pose = static_cast<std::size_t>(pose - poses.data());
+    } else if (made.kind == Kind::CycleAmount || made.kind == Kind::CycleSpeed) {
+        const Cycle* cycle = cycleNamed(document, parts->name);
+        if (!cycle) return fail("no-such-cycle", "There is no cycle \"" + std::string(parts->name) + "\".");
+        made.cycle = static_cast<std::size_t>(cycle - cyclesOf(document).data());
     } else if (made.kind == Kind::HandlePlace || made.kind == Kind::HandleTurn) {
         IMOMUSHI_TRY(made.handle, handleNamed(document, parts->name));
     } else {

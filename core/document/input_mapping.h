@@ -25,9 +25,9 @@ struct InputMapping {
     [[nodiscard]] bool sameLine(const InputMapping& o) const { return row.source == o.row.source && row.channel == o.row.channel && row.component == o.row.component && target == o.target; }
 };
 
-/// What can be driven: one number of a character, 0 at rest but for morph targets and effects; or a trigger.
+/// What can be driven: one number of a character, 0 at rest but for morph targets, the speed of cycles, which is 1, and effects; or a trigger.
 struct MappedTarget {
-    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph, Pose, Effect, PlayTake, StopTake, LetGo } kind = Kind::Morph;
+    enum class Kind : std::uint8_t { HandlePlace, HandleTurn, EndPlace, EndRoll, BoneTurn, Morph, Pose, CycleAmount, CycleSpeed, Effect, PlayTake, StopTake, LetGo } kind = Kind::Morph;
     int axis = 0;        ///< of a place (m, world) or of a turn (its rotation vector, radians, in the axes of the world at rest): 0 x, 1 y, 2 z
     FaceRef handle;
     EndpointRef end;     ///< of a bone that is turned, its end
@@ -35,13 +35,14 @@ struct MappedTarget {
     EffectKind effect = EffectKind::kCount;
     int value = 0;       ///< in Effect::values
     std::size_t pose = 0;  ///< of keptPoses()
+    std::size_t cycle = 0; ///< of cyclesOf()
     PartId take = 0;
     /// A trigger: it fires when the mapped value rises through the middle of "out", and has no value that lasts.
     [[nodiscard]] bool isTrigger() const { return kind == Kind::PlayTake || kind == Kind::StopTake || kind == Kind::LetGo; }
 };
 
-/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "pose/NAME/weight", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
-/// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", "no-such-pose", and of names those of handleNamed(), Document::endpoint() and morphOf().
+/// "handle/NAME/x" (y, z, turn-x, turn-y, turn-z), "bone/NAME/end/x" (start; y, z, roll), "bone/NAME/turn-x" (y, z: about its parent, from rest), "morph/CHARACTER/NAME", "pose/NAME/weight", "cycle/NAME/amount", "cycle/NAME/speed", "effect/NAME/PROPERTY" (of a vector "effect/NAME/PROPERTY/x", y, z; in the unit of the property), "take/NAME/play", "take/NAME/stop",
+/// "trigger/let-go". Errors: "bad-value", "no-such-effect", "no-such-property", "no-such-take", "no-such-pose", "no-such-cycle", and of names those of handleNamed(), Document::endpoint() and morphOf().
 Result<MappedTarget> mappedTarget(const Document& document, std::string_view target);
 
 /// The same of the part on the other side, by its name; empty: it has no side.
@@ -60,7 +61,7 @@ Result<InputMappings> mappingsFrom(const Json& list);
 Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, std::optional<std::size_t> place = std::nullopt);
 /// Sets the table of the document; does nothing if it is equal.
 void setMappings(Document& document, InputMappings mappings);
-/// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character), "pose", "take".
+/// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character), "pose", "cycle", "take".
 void renameMapped(Document& document, std::string_view kind, std::string_view from, std::string_view to);
 
 /// One of them is solo.

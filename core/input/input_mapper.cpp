@@ -129,12 +129,16 @@ void InputMapper::pass(double seconds) {
 void InputMapper::letGo() {
     touched_ = true;
     for (Heard& heard : heard_) heard.known = heard.fresh = heard.gone = heard.silent = heard.returned = heard.pressed = heard.on = false;
-    for (Slot& slot : slots_) {
-        slot.from = slot.shown;
-        slot.passed = 0.0;
-        slot.length = kGlideToRest;
-        slot.driver = kRests;
-    }
+    for (std::size_t s = 0; s < slots_.size(); ++s) letGo(static_cast<int>(s));
+}
+
+void InputMapper::letGo(int index) {
+    touched_ = true;
+    Slot& slot = slots_[static_cast<std::size_t>(index)];
+    slot.from = slot.shown;
+    slot.passed = 0.0;
+    slot.length = kGlideToRest;
+    slot.driver = kRests;
 }
 
 void InputMapper::setByHand(int index, bool byHand, double shown) {

@@ -71,6 +71,10 @@ public:
     [[nodiscard]] double shown(int slot) const { return slots_[static_cast<std::size_t>(slot)].shown; }
     /// Whether the last step changed what it shows.
     [[nodiscard]] bool moved(int slot) const { return slots_[static_cast<std::size_t>(slot)].moved; }
+    /// It glides to rest, or is there because everything let go.
+    [[nodiscard]] bool letsGo(int slot) const { return slots_[static_cast<std::size_t>(slot)].driver == kRests; }
+    /// Everything lets go of this slot alone.
+    void letGo(int slot);
     /// The row that drives a slot; -1: none has, or it rests.
     [[nodiscard]] int winner(int slot) const { return std::max(-1, slots_[static_cast<std::size_t>(slot)].driver); }
     /// For meters: what a row makes of its control now, in the unit of its slot, and how many values it heard.

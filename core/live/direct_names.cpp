@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/live/direct_names.h"
 
+#include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/input/osc_packet.h"
@@ -53,6 +54,13 @@ std::vector<DirectName> directNames(const Document& document) {
         target.pose = i;
         add(root + "pose/" + keptPoses(document)[i].name, target, 1);
     }
+    for (std::size_t i = 0; i < cyclesOf(document).size(); ++i)
+        for (const auto& [number, kind] : {std::pair("/amount", MappedTarget::Kind::CycleAmount), std::pair("/speed", MappedTarget::Kind::CycleSpeed)}) {
+            MappedTarget target;
+            target.kind = kind;
+            target.cycle = i;
+            add(root + "cycle/" + cyclesOf(document)[i].name + number, target, 1);
+        }
     for (std::size_t k = 0; k < kEffects; ++k) {
         MappedTarget target;
         target.kind = MappedTarget::Kind::Effect;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,8 +21,9 @@ namespace imomushi {
 /// Bones that are turned (BoneTurn) go by forward kinematics, from where their parents are driven, or were when this was built.
 class InputDriver {
 public:
-    /// `oscSources`: those whose values may use direct names. Rows whose target is not there drive nothing.
-    InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources);
+    /// `oscSources`: those whose values may use direct names; `cycleSources`: those of cycles alone. Rows whose target is not there drive nothing. `before`: the driver that was
+    /// stepped until now. Cycles go on from where it has them, if its targets are what the document has; else, and where it is null, they begin at their first pose.
+    InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources, std::span<const std::string> cycleSources = {}, const InputDriver* before = nullptr);
 
     /// False: it drives nothing.
     bool take(const InputValue& value) { return mapper_.take(value); }
@@ -34,12 +37,14 @@ public:
     void forgetNumbers();
     /// A hand has what such an input moves: nothing else drives it until hold().
     void giveToHand(const LiveInput& held);
-    /// See InputMapper::rests() and pass(), between two steps.
-    [[nodiscard]] double rests() const { return mapper_.rests(); }
+    /// See InputMapper::rests() and pass(), between two steps. While a cycle runs it does not rest.
+    [[nodiscard]] double rests() const;
     void pass(double seconds) { mapper_.pass(seconds); }
     /// Everything glides to rest. For panic.
     void letGo() { mapper_.letGo(); }
     [[nodiscard]] const InputMapper& mapper() const { return mapper_; }
+    /// Where a driven cycle is, 0 ... 1 rounds; none: nobody drives it.
+    [[nodiscard]] std::optional<double> phaseOf(std::string_view cycle) const;
     /// How many rows the document's table has, and what they show; of one whose target is not there, nothing. `meters`: one for each.
     [[nodiscard]] std::size_t mappings() const { return rowOf_.size(); }
     void read(std::span<InputMeter> meters) const;
@@ -47,6 +52,7 @@ public:
 private:
     /// A bone that is turned about its parent: its end goes where forward kinematics has it, and twists with it.
     struct Turned {
+        PartId part = 0;
         std::size_t bone = 0, end = 0;     ///< of the skeleton; of driven_
         int parent = -1;                   ///< of turned_, -1: none, then
         Eigen::Quaterniond parentTurn = Eigen::Quaterniond::Identity(), parentUntwisted = Eigen::Quaterniond::Identity();  ///< of its parent, world; the latter without roll
@@ -67,6 +73,7 @@ private:
     /// What is moved as one: a handle, an end of a bone, a morph target, a number of an effect.
     struct Driven {
         LiveInput input;     ///< as it was given last
+        FaceRef face;        ///< of a handle
         Vec3 rest = Vec3::Zero();
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
         LiveInput base;                  ///< without poses, where no slot says it
@@ -78,10 +85,12 @@ private:
         bool moved = false;  ///< in the last step
         bool byHand = false, held = false;
     };
-    /// A pose whose weight is driven: what it adds to turned_ and driven_.
+    /// A pose whose weight is driven, or that a driven cycle goes through: what it adds to turned_ and driven_.
     struct Posed {
-        int slot = -1;
+        std::string name;
+        int slot = -1;                   ///< of its weight, -1: only cycles have it
         double before = 0.0;             ///< the weight that is in what was shown at first
+        double weight = 0.0;             ///< now, with what cycles have of it
         struct OfBone {
             std::size_t turned = 0;
             Vec3 turn = Vec3::Zero();
@@ -95,11 +104,30 @@ private:
         std::vector<OfBone> bones;
         std::vector<OfThing> things;
     };
+    /// A cycle whose amount or speed is driven.
+    struct Cycled {
+        std::string name;
+        int amount = -1, speed = -1;     ///< slots
+        double seconds = 1.0;            ///< of a round at speed 1
+        double phase = 0.0;              ///< rounds, 0 ... 1: it stands where there is nothing of it
+        std::vector<std::size_t> poses;  ///< of posed_
+    };
     struct Tables;
     explicit InputDriver(Tables&& tables);
     /// Something drives its place.
     [[nodiscard]] bool placed(const Driven& driven) const;
     void follow(Turned& bone);
+    [[nodiscard]] const Cycled* cycleNamed(std::string_view name) const;  ///< null: nobody drives it
+    /// What cycles and poses move is held, and the document has it where this driver has put it last.
+    [[nodiscard]] bool isIn(const Document& document, const CharacterPlan& plan) const;
+    [[nodiscard]] bool cycling() const;  ///< there is something of a cycle in what it makes
+    [[nodiscard]] double amountOf(const Cycled& cycle) const;
+    [[nodiscard]] double speedOf(const Cycled& cycle) const;
+    [[nodiscard]] bool runs(const Cycled& cycle) const { return amountOf(cycle) != 0.0 && speedOf(cycle) != 0.0; }
+    /// Time passes in cycles.
+    void turnCycles(double seconds);
+    /// Of poses, with what cycles have of them.
+    void weighPoses();
     /// Sums what poses add. False: none moved.
     bool addPoses();
     /// From now on its base is what makes it what it is.
@@ -109,6 +137,7 @@ private:
     std::vector<Driven> driven_;
     std::vector<Turned> turned_;     // parents before children
     std::vector<Posed> posed_;
+    std::vector<Cycled> cycles_;
     bool poses_ = false;             // one has moved
     std::vector<LiveInput> moved_;
     std::vector<int> rowOf_;         // of each mapping, -1: its target is not there

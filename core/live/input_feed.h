@@ -38,6 +38,9 @@ public:
     /// For how many seconds from the last step on it has nothing to say, if nothing is given or told meanwhile; 0: it has.
     [[nodiscard]] double rests() const;
 
+    /// Nobody may step meanwhile.
+    [[nodiscard]] const InputDriver& driver() const { return driver_; }
+
     // ---- the thread of the window
     /// `wake` is called after whatever is given or told, by the thread that does so, and must return at once. Null: nobody is woken; no call goes on when this returns.
     void wakes(std::function<void()> wake);

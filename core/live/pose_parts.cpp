@@ -73,14 +73,19 @@ PoseParts partsOf(const KeptPose& pose, const Document& document, const Characte
     return made;
 }
 
-std::vector<double> weightsIn(const PoseParts& now, std::span<const PoseParts> poses, const CharacterPlan& plan) {
+std::vector<double> weightsIn(const PoseParts& now, std::span<const PoseParts> poses, const CharacterPlan& plan, std::span<const double> known, const std::vector<bool>& asked) {
     std::map<MorphRef, Eigen::Index> placeOf;
     for (const PoseParts& pose : poses)
         for (const PoseParts::Morph& m : pose.morphs) placeOf.try_emplace(m.morph, static_cast<Eigen::Index>(placeOf.size()));
     const auto count = static_cast<Eigen::Index>(poses.size());
-    const Eigen::VectorXd wanted = row(now, plan, placeOf);
+    Eigen::VectorXd wanted = row(now, plan, placeOf);
     Eigen::MatrixXd rows(wanted.size(), count);
-    for (Eigen::Index p = 0; p < count; ++p) rows.col(p) = row(poses[static_cast<std::size_t>(p)], plan, placeOf);
+    for (Eigen::Index p = 0; p < count; ++p) {
+        const auto of = static_cast<std::size_t>(p);
+        rows.col(p) = row(poses[of], plan, placeOf);
+        wanted -= known[of] * rows.col(p);
+        if (!asked[of]) rows.col(p).setZero();
+    }
     // Poses that are alike share the weight, and one that is all rest has none.
     Eigen::MatrixXd normal = rows.transpose() * rows;
     normal.diagonal().array() += 1e-12 * (1.0 + normal.trace());

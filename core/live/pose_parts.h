@@ -42,7 +42,8 @@ PoseParts partsOf(const KeptPose& pose, const Document& document, const Characte
 /// The whole rotation of a bone, with its roll. `roll`: of its end.
 Eigen::Quaterniond wholeRotation(const BoneTree& tree, std::size_t bone, const Eigen::Quaterniond& frame, double roll);
 
-/// How much of each pose is in `now`: weights, 0 ... 1, of the weighted sum of `poses` that is nearest to `now` in the sense of least squares.
-std::vector<double> weightsIn(const PoseParts& now, std::span<const PoseParts> poses, const CharacterPlan& plan);
+/// How much of each pose is in `now`: weights, 0 ... 1, of the weighted sum of `poses` that is nearest to `now` in the sense of least squares. `known`: what of each is in there anyway. One that is
+/// not `asked` for has no more than that: 0.
+std::vector<double> weightsIn(const PoseParts& now, std::span<const PoseParts> poses, const CharacterPlan& plan, std::span<const double> known, const std::vector<bool>& asked);
 
 }  // namespace imomushi

@@ -14,6 +14,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/try.h"
+#include "core/document/cycle.h"
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/project/project_content.h"
@@ -45,7 +46,7 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kRate = "rate", *kMappings = "mappings", *kPoses = "poses", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kRate = "rate", *kMappings = "mappings", *kPoses = "poses", *kCycles = "cycles", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
@@ -59,6 +60,7 @@ void writeSettings(Database& db, const Document& document) {
     settings.row(kNextId, std::to_string(document.nextId));
     if (document.mappings) settings.row(kMappings, mappingsJson(*document.mappings).dump());
     if (document.poses) settings.row(kPoses, keptPosesJson(*document.poses).dump());
+    if (document.cycles) settings.row(kCycles, cyclesJson(*document.cycles).dump());
     for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
 }
 
@@ -107,6 +109,12 @@ void readSettings(Database& db, Document& document) {
         auto poses = list.is_discarded() ? Result<KeptPoses>(fail("bad-json", "")) : keptPosesFrom(list);
         require(poses.has_value(), "a kept pose is broken");
         setKeptPoses(document, std::move(*poses));
+    }
+    if (const auto found = all.extract(kCycles)) {
+        const Json list = Json::parse(found.mapped(), nullptr, false);
+        auto cycles = list.is_discarded() ? Result<Cycles>(fail("bad-json", "")) : cyclesFrom(list);
+        require(cycles.has_value(), "a cycle is broken");
+        setCycles(document, std::move(*cycles));
     }
     document.unknown.settings = std::move(all);
 }

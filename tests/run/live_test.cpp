@@ -133,6 +133,45 @@ TEST_CASE("live: at rest no step is made while nothing comes; its recording is r
     CHECK(readFile(folder() / "replayed.obj") == readFile(folder() / "live.obj"));
 }
 
+TEST_CASE("live: a cycle runs by one number that is sent, sleeps at 0, and its recording is replayed to the same bytes") {
+    makeEgg();
+    const std::string cycle = R"({"do":"open","path":"egg.imomushi"}
+{"do":"drag","endpoint":"top","to":[0.3,1.5,0]}
+{"do":"keep-pose","name":"right"}
+{"do":"drag","endpoint":"top","to":[0,1.9,0.2]}
+{"do":"keep-pose","name":"up"}
+{"do":"drag","endpoint":"top","to":[-0.3,1.5,0]}
+{"do":"keep-pose","name":"left"}
+{"do":"rest"}
+{"do":"add-cycle","name":"sway","poses":["right","up","left"],"seconds":0.8}
+)";
+    writeFile("live.jsonl", cycle + R"({"do":"live","sources":[{"protocol":"osc","port":0},{"protocol":"vmc","port":0}],"record":"raw.input"}
+{"do":"write-mesh","path":"live.obj"}
+)");
+    const Run run = performed("run live.jsonl", "say() { python3 -c 'import socket, struct, sys; address = sys.argv[2].encode() + b\"\\0\"; address += bytes(-len(address) % 4); socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(address + b\",f\\0\\0\" + struct.pack(\">f\", float(sys.argv[3])), (\"127.0.0.1\", int(sys.argv[1])))' $osc $1 $2; }\n"
+                                                "say /imomushi/cycle/sway/amount 1; sleep 3; say /imomushi/cycle/sway/speed -0.5; sleep 1; say /imomushi/cycle/sway/amount 0; sleep 4; say /imomushi/cycle/sway/amount 0.9; sleep 1; kill -INT $program");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    REQUIRE(run.answers.size() == 11);
+    const Json& answer = run.answers[9];
+    const int frames = answer["frames"].get<int>(), rested = answer["rested"].get<int>();
+    MESSAGE(frames << " frames, of which no step was made for " << rested);
+    CHECK(answer["sources"][0]["values"] == 4);
+    CHECK(frames - rested >= 60 * 4);  // it runs by itself
+    CHECK(rested >= 60 * 2);
+    const TriangleMesh rest = readObj((folder() / "egg.obj").string()), posed = readObj((folder() / "live.obj").string());
+    CHECK((posed.vertices - rest.vertices).cwiseAbs().maxCoeff() > 0.05);
+
+    const Run again = script(cycle + R"({"do":"replay","path":"raw.input"}
+{"do":"write-mesh","path":"replayed.obj"}
+)");
+    INFO(again.out);
+    REQUIRE(again.status == 0);
+    CHECK(again.answers[9]["frames"] == frames);
+    CHECK(again.answers[9]["rested"] == rested);
+    CHECK(readFile(folder() / "replayed.obj") == readFile(folder() / "live.obj"));
+}
+
 TEST_CASE("live: Ctrl+C ends a performance and leaves a project with a take; the sub-commands are scripts") {
     makeEgg();
     const Run run = performed("live --osc 0 --vmc 0 --record raw.input --take show --save shown.imomushi egg.imomushi",

@@ -294,6 +294,19 @@ Json restBones(const std::vector<std::string>& bones, bool chain) {
 }
 Json renamePose(const std::string& pose, const std::string& name) { return {{"do", "rename-pose"}, {"pose", pose}, {"name", name}}; }
 Json removePose(const std::string& pose) { return {{"do", "remove-pose"}, {"pose", pose}}; }
+Json addCycle(const std::string& name, const std::vector<std::string>& poses, std::optional<double> seconds) {
+    Json command{{"do", "add-cycle"}};
+    if (!name.empty()) command["name"] = name;
+    if (!poses.empty()) command["poses"] = poses;
+    if (seconds) command["seconds"] = *seconds;
+    return command;
+}
+Json renameCycle(const std::string& cycle, const std::string& name) { return {{"do", "rename-cycle"}, {"cycle", cycle}, {"name", name}}; }
+Json removeCycle(const std::string& cycle, bool poses) {
+    Json command{{"do", "remove-cycle"}, {"cycle", cycle}};
+    if (poses) command["poses"] = true;
+    return command;
+}
 
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to) {
     return {{"do", "touch"}, {"element", element}, {"point", vector(point)}, {"to", to ? vector(*to) : Json()}};

@@ -228,6 +228,11 @@ Json mirrorPose();
 Json restBones(const std::vector<std::string>& bones, bool chain);
 Json renamePose(const std::string& pose, const std::string& name);
 Json removePose(const std::string& pose);
+/// A new one under a name of its own, where `name` is empty; of one that is there, what is left out stays. `seconds`: of a round.
+Json addCycle(const std::string& name, const std::vector<std::string>& poses, std::optional<double> seconds = {});
+Json renameCycle(const std::string& cycle, const std::string& name);
+/// `poses`: with those that no other cycle goes through.
+Json removeCycle(const std::string& cycle, bool poses);
 /// A finger at the point `point` of the rest shape, whose tip is at `to`; m. Without `to` it is lifted.
 Json touch(const std::string& element, const Vec3& point, const std::optional<Vec3>& to);
 

@@ -42,7 +42,7 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
     timer_.setInterval(kTellMs);
     connect(&timer_, &QTimer::timeout, this, &InputDeck::tell);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
-        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || change.poses || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
+        const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || change.poses || change.cycles || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
         const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
         if (devices || (driven && listens())) followSoon();
         // Another project is not performed by what was learned for the last one.
@@ -280,14 +280,14 @@ void InputDeck::follow() {
     const bool had = feed_ != nullptr;
     // What was performed becomes the document's, which the new feed begins from.
     if (had) document_.performInputs(nullptr);
-    feed_.reset();
+    const std::shared_ptr<InputFeed> before = std::exchange(feed_, nullptr);
     meters_.clear();
     std::vector<std::string> names;
     if (listens() && !deck_.shown() && document_.session().character()) {
         std::vector<std::string> osc;
         for (const Source& source : sources_)
             if (source.open && source.protocol == InputProtocol::Osc) osc.push_back(source.name);
-        feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc));
+        feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc, {}, before ? &before->driver() : nullptr));
         names = nameMessages(document_.document());
         document_.performInputs(feed_);
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/input/key_names.h"
@@ -86,6 +87,11 @@ TargetText targetText(const Document& document, const std::string& target) {
             said.thing = found->kind == TargetKind::LetGo ? MappingTexts::tr("Let everything go") : triggerText(QString::fromStdString(document.takes.at(found->take)->name), found->kind == TargetKind::PlayTake);
             return said;
         case TargetKind::Pose: said.thing = MappingTexts::tr("Pose “%1”", "a kept pose").arg(QString::fromStdString(keptPoses(document)[found->pose].name)); break;
+        case TargetKind::CycleAmount:
+        case TargetKind::CycleSpeed:
+            said.thing = MappingTexts::tr("Cycle “%1”", "a movement that repeats").arg(QString::fromStdString(cyclesOf(document)[found->cycle].name));
+            said.number = found->kind == TargetKind::CycleAmount ? MappingTexts::tr("amount", "of a cycle") : MappingTexts::tr("speed", "of a cycle");
+            return said;
         case TargetKind::Morph: said.thing = QString::fromStdString(document.characters.at(found->morph.character)->model->morphs[std::size_t(found->morph.target)].name); break;
     }
     if (places(found->kind)) {
@@ -168,6 +174,15 @@ std::vector<DrivenThing> drivenThings(const Document& document) {
         for (const KeptPose& pose : keptPoses(document)) thing.numbers.emplace_back(QString::fromStdString(pose.name), "pose/" + pose.name + "/weight");
         things.push_back(std::move(thing));
     }
+    if (!cyclesOf(document).empty()) {
+        DrivenThing thing{MappingTexts::tr("Cycles"), QStringLiteral("loop"), {}};
+        for (const Cycle& cycle : cyclesOf(document)) {
+            const QString name = QString::fromStdString(cycle.name);
+            thing.numbers.emplace_back(MappingTexts::tr("%1, amount", "a cycle").arg(name), "cycle/" + cycle.name + "/amount");
+            thing.numbers.emplace_back(MappingTexts::tr("%1, speed", "a cycle").arg(name), "cycle/" + cycle.name + "/speed");
+        }
+        things.push_back(std::move(thing));
+    }
     for (std::size_t k = 0; k < kEffects; ++k) {
         const auto kind = EffectKind(k);
         if (!document.effects.has(kind)) continue;
@@ -203,6 +218,9 @@ std::pair<double, double> usualReach(const Document& document, const MappedTarge
         const double now = document.effects[target.effect].values[std::size_t(target.value)], way = now != 0.0 ? std::abs(now) : 1.0;
         return {std::clamp(twoSided ? now - way : now, property.low, property.high), std::clamp(now + way, property.low, property.high)};
     }
+    if (target.kind == TargetKind::CycleAmount) return {0.0, 1.0};
+    // A fader leads from standing to twice as fast, a stick backwards, too.
+    if (target.kind == TargetKind::CycleSpeed) return {twoSided ? -2.0 : 0.0, 2.0};
     const double reach = places(target.kind) ? usualReach(document) : turns(target.kind) ? kReachTurn : 1.0;
     return {twoSided && target.kind != TargetKind::Morph && target.kind != TargetKind::Pose && !target.isTrigger() ? -reach : 0.0, reach};
 }

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cycles: movements that repeat through kept poses.
+#include <algorithm>
+#include <set>
+
+#include "core/commands/core_commands.h"
+#include "core/document/command_support.h"
+#include "core/document/cycle.h"
+#include "core/document/input_mapping.h"
+#include "core/document/kept_pose.h"
+#include "core/document/names.h"
+#include "core/session/document_edit.h"
+
+namespace imomushi {
+
+namespace {
+
+/// Errors: "no-such-cycle" with the names there are.
+Result<Cycles::const_iterator> cycleIn(const Cycles& cycles, const std::string& name) {
+    const auto found = std::ranges::find(cycles, name, &Cycle::name);
+    if (found != cycles.end()) return found;
+    std::vector<std::string> there;
+    for (const Cycle& cycle : cycles) there.push_back(cycle.name);
+    return fail("no-such-cycle", "There is no cycle \"" + name + "\"" + (there.empty() ? "; make one by add-cycle." : "; " + listNames(there) + "."));
+}
+
+std::string freeCycleName(const Document& document) {
+    for (int n = 1;; ++n)
+        if (std::string name = "cycle " + std::to_string(n); !cycleNamed(document, name)) return name;
+}
+
+Result<std::vector<std::string>> cyclePoses(const Document& document, const Json& list) {
+    std::vector<std::string> names;
+    for (const Json& name : list) {
+        if (!name.is_string()) return fail("bad-type", "\"poses\" must be names of kept poses.");
+        names.push_back(name.get<std::string>());
+        if (!keptPose(document, names.back())) return fail("no-such-pose", "There is no pose \"" + names.back() + "\": keep it by keep-pose first.");
+    }
+    if (names.size() < Cycle::kFewestPoses || names.size() > Cycle::kMostPoses)
+        return fail("cycle-poses", "A cycle goes through " + std::to_string(Cycle::kFewestPoses) + " to " + std::to_string(Cycle::kMostPoses) + " kept poses: name as many.");
+    return names;
+}
+
+Result<Json> addCycle(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Cycles cycles = cyclesOf(edit.document);
+    const std::string name = arguments.contains("name") ? text(arguments, "name") : freeCycleName(edit.document);
+    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    const auto same = std::ranges::find(cycles, name, &Cycle::name);
+    const bool replaced = same != cycles.end();
+    Cycle made = replaced ? *same : Cycle{name, {}, {}};
+    if (!replaced) made.seconds = Cycle().seconds;
+    if (const Json* poses = find(arguments, "poses")) {
+        IMOMUSHI_TRY(made.poses, cyclePoses(edit.document, *poses));
+    } else if (!replaced) {
+        return fail("missing-key", "A new cycle needs \"poses\": names of kept poses.");
+    }
+    if (auto ok = readNumber(arguments, "seconds", Cycle::kShortest, Cycle::kLongest, made.seconds); !ok) return tl::unexpected(ok.error());
+    if (replaced) *same = std::move(made);
+    else if (cycles.size() >= Cycle::kMost) return fail("too-many-cycles", "There are " + std::to_string(Cycle::kMost) + " cycles already: remove some.");
+    else cycles.push_back(std::move(made));
+    Json answer{{"name", name}, {"replaced", replaced}, {"cycles", cycles.size()}};
+    setCycles(edit.document, std::move(cycles));
+    return answer;
+}
+
+Result<Json> renameCycle(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Cycles cycles = cyclesOf(edit.document);
+    IMOMUSHI_TRY(const auto cycle, cycleIn(cycles, text(arguments, "cycle")));
+    const std::string& name = text(arguments, "name");
+    if (name == cycle->name) return Json::object();
+    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    if (cycleNamed(edit.document, name)) return fail("name-taken", "There is a cycle \"" + name + "\" already: choose another name.");
+    renameMapped(edit.document, "cycle", cycle->name, name);
+    cycles[std::size_t(cycle - cycles.cbegin())].name = name;
+    setCycles(edit.document, std::move(cycles));
+    return Json::object();
+}
+
+Result<Json> removeCycle(DocumentEdit& edit, const Json& arguments, const Progress&) {
+    Cycles cycles = cyclesOf(edit.document);
+    IMOMUSHI_TRY(const auto cycle, cycleIn(cycles, text(arguments, "cycle")));
+    const std::set<std::string> through(cycle->poses.begin(), cycle->poses.end());
+    cycles.erase(cycle);
+    setCycles(edit.document, std::move(cycles));
+    Json removed = Json::array();
+    if (arguments.value("poses", false)) {
+        KeptPoses poses = keptPoses(edit.document);
+        std::erase_if(poses, [&](const KeptPose& pose) {
+            const bool goes = through.contains(pose.name) && cyclesThrough(edit.document, pose.name).empty();
+            if (goes) removed.push_back(pose.name);
+            return goes;
+        });
+        if (!removed.empty()) setKeptPoses(edit.document, std::move(poses));
+    }
+    return Json{{"removed_poses", std::move(removed)}};
+}
+
+}  // namespace
+
+void addCycleCommands(CommandRegistry& registry) {
+    using Type = CommandKey::Type;
+    registry.addChange("add-cycle", "Makes a movement that repeats through kept poses, evenly in time and smoothly, from the last one on to the first one again. Live input performs it: \"cycle/NAME/amount\" of map-input says how much of it there is, \"cycle/NAME/speed\" how fast it runs. Of one of that name, keys left out stay.",
+                       {{"name", Type::Text, false, "Its name (\"cycle 1\", ...)."},
+                        {"poses", Type::Array, false, "Names of 2 to 64 kept poses, in their order; one may come several times. Three meet a wave exactly."},
+                        {"seconds", Type::Number, false, "How long one round takes at speed 1, 0.05 to 3600 (2)."}},
+                       addCycle);
+    registry.addChange("rename-cycle", "Renames a cycle; mappings follow.", {{"cycle", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no cycle has."}}, renameCycle);
+    registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false)."}}, removeCycle);
+}
+
+}  // namespace imomushi
