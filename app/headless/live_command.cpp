@@ -17,7 +17,9 @@
 #include "core/input/devices.h"
 #include "core/input/input_listener.h"
 #include "core/input/udp_port.h"
+#include "core/input/udp_target.h"
 #include "core/live/direct_names.h"
+#include "core/live/frame_writer.h"
 
 namespace imomushi {
 
@@ -127,12 +129,52 @@ Result<Listening> listen(const Json& list, UdpPort::From from, const Document& d
     return made;
 }
 
+/// Other programs that are told what is shown.
+struct Sending {
+    std::vector<FrameWriter> writers;
+    std::vector<UdpTarget> targets;
+    ShownFrame frame;
+    std::uint64_t packets = 0, lost = 0;
+
+    void send(const LiveCharacter& live, double time) {
+        if (writers.empty()) return;
+        showFrame(live, frame);
+        for (std::size_t i = 0; i < writers.size(); ++i)
+            writers[i].write(frame, time, [&](std::span<const std::byte> packet) {
+                ++packets;
+                if (!targets[i].send(packet)) ++lost;
+            });
+    }
+};
+
+Result<Sending> sendingTo(const Json& list, SessionAccess& access) {
+    Sending made;
+    IMOMUSHI_TRY(const auto alive, access.live.built());
+    for (const Json& given : list) {
+        if (!alive) break;  // which is said by whoever performs
+        if (!given.is_object()) return fail("bad-type", "A receiver is an object: {\"protocol\":\"vmc\",\"host\":\"127.0.0.1\",\"port\":39539}.");
+        for (const auto& [key, value] : given.items())
+            if (key != "protocol" && key != "host" && key != "port") return fail("unknown-key", "A receiver has no \"" + key + "\".");
+        const Json* called = find(given, "protocol");
+        const auto protocol = called && called->is_string() ? outputProtocolNamed(called->get_ref<const std::string&>()) : std::nullopt;
+        if (!protocol) return fail("bad-value", "\"protocol\" of a receiver is \"vmc\" or \"osc\".");
+        const Json host = given.value("host", Json("127.0.0.1"));
+        if (!host.is_string() || !given.contains("port")) return fail("missing-key", "A receiver needs \"protocol\" and \"port\", and has \"host\", a text.");
+        IMOMUSHI_TRY(const auto port, numberWithin(given["port"], "port", 1, 65535));
+        IMOMUSHI_TRY(auto target, UdpTarget::open(host.get<std::string>(), static_cast<std::uint16_t>(port)));
+        made.targets.push_back(std::move(target));
+        made.writers.emplace_back(*protocol, access.document(), access.live.plan());
+    }
+    return made;
+}
+
 Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& progress) {
     double longest = kLongestLive;
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
     IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback, access.document()));
     const double stepSeconds = 1.0 / access.document().settings.rate;
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, stepSeconds));
+    IMOMUSHI_TRY(auto sending, sendingTo(arguments.value("send", Json::array()), access));
     std::optional<RawInputWriter> recording;
     if (const Json* path = find(arguments, "record")) {
         IMOMUSHI_TRY(recording, RawInputWriter::begin(path->get<std::string>(), heard.sources, stepSeconds));
@@ -177,7 +219,10 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     };
     while (performance.steps() < frames && !Interruption::came() && !progress.cancelled()) {
         first.reset();
-        if (!sleep()) continue;
+        if (!sleep()) {
+            sending.send(access.live, static_cast<double>(performance.steps()) * stepSeconds);  // so that receivers know that somebody is there
+            continue;
+        }
         until += stepTime;
         if (const auto now = Clock::now(); now > until + stepTime) {
             ++late;
@@ -192,6 +237,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
         const Clock::time_point made = Clock::now();
         milliseconds.push_back(since(began, made));
         if (first) latency.push_back(since(*first, made));
+        sending.send(access.live, static_cast<double>(performance.steps()) * stepSeconds);
     }
     auto answer = performance.end(progress);
     if (!answer) return failed(answer.error());
@@ -201,6 +247,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
         tooLong += listener.tooLong(i);
         if (isOfDevices(heard.sources[i].protocol)) (*answer)["devices"][heard.sources[i].name] = listener.ports()[i]->device();
     }
+    if (!sending.writers.empty()) (*answer)["sent"] = {{"packets", sending.packets}, {"lost", sending.lost}};
     (*answer)["too_long"] = tooLong;
     (*answer)["late"] = late;
     (*answer)["ms_per_step"] = summary(std::move(milliseconds));
@@ -245,7 +292,8 @@ void addLiveCommands(CommandRegistry& registry) {
                        {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\" or \"midi\",\"device\":its name or number (the first one),\"name\":...}: a game controller or a MIDI device, opened where a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
                         {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
-                        {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."}},
+                        {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."},
+                        {"send", Type::Array, false, "Other programs that are told each step: objects {\"protocol\":\"vmc\" or \"osc\",\"host\":its address (127.0.0.1),\"port\":39539}. By VMC: bones with roles of a human, handles as trackers, expressions and morph targets. By OSC: the addresses above, so that another imomushi that listens moves alike."}},
                        live);
     registry.addAction("replay", "Performs the character by a recording of \"live\", as fast as it can: what was begun alike ends in the same bytes. \"cut\": the recording ended within a step.",
                        {{"path", Type::Text, true, "A file that live recorded."}}, replay);

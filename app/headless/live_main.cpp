@@ -22,10 +22,11 @@ constexpr const char* kLiveUsage =
     "  --open              other machines may send, too\n"
     "  --seconds N         ends after this time\n"
     "  --record FILE       records what comes in, for replay\n"
+    "  --send vmc=PORT     tells another program what is shown, by VMC or by OSC (osc=PORT); vmc=ADDRESS:PORT on another machine\n"
     "  --mappings FILE     adds the mappings of a file\n"
     "  --take NAME         records a take\n"
     "  --save FILE         saves the project afterwards, as FILE.imomushi\n"
-    "The first seven are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
+    "The first eight are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
 
 constexpr int kOscPort = 9000, kVmcPort = 39539;
 
@@ -44,6 +45,19 @@ std::optional<Json> sourceFrom(const std::string& protocol, const std::string& t
     const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
     if (read.ec != std::errc() || read.ptr != port.data() + port.size() || name.empty()) return std::nullopt;
     return Json{{"protocol", protocol}, {"port", number}, {"name", name}};
+}
+
+std::optional<Json> receiverFrom(const std::string& text) {
+    const auto equals = text.find('='), colon = text.rfind(':');
+    if (equals == std::string::npos) return std::nullopt;
+    const bool named = colon != std::string::npos && colon > equals;
+    const std::string port = text.substr((named ? colon : equals) + 1);
+    int number = 0;
+    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
+    if (read.ec != std::errc() || read.ptr != port.data() + port.size()) return std::nullopt;
+    Json made{{"protocol", text.substr(0, equals)}, {"port", number}};
+    if (named) made["host"] = text.substr(equals + 1, colon - equals - 1);
+    return made;
 }
 
 }  // namespace
@@ -72,7 +86,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             files.push_back(option);
             continue;
         }
-        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--midi" || option == "--seconds" || option == "--record";
+        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--midi" || option == "--seconds" || option == "--record" || option == "--send";
         if (!(isLive && ofLive) && option != "--mappings" && option != "--take" && option != "--save") return refuse("there is no option " + option + ".");
         if (++i == arguments.size() || arguments[i].empty()) return refuse(option + " needs a value.");
         const std::string& value = arguments[i];
@@ -87,6 +101,10 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             const auto read = std::from_chars(value.data(), value.data() + value.size(), seconds);
             if (read.ec != std::errc() || read.ptr != value.data() + value.size()) return refuse("--seconds needs a number.");
             perform["seconds"] = seconds;
+        } else if (option == "--send") {
+            const auto receiver = receiverFrom(value);
+            if (!receiver) return refuse("--send needs vmc=PORT, or vmc=ADDRESS:PORT.");
+            perform["send"].push_back(*receiver);
         } else if (option == "--record") {
             perform["record"] = value;
         } else {

@@ -979,6 +979,14 @@
             <translation>ほかのプログラムがこのポートを使っています。そのプログラムを閉じるか、ここと送り手の両方で別のポートを選んでください。</translation>
         </message>
         <message>
+            <source>This is no address. Give one such as 192.168.1.20; 127.0.0.1 is this machine.</source>
+            <translation>アドレスではありません。192.168.1.20 のように指定してください。127.0.0.1 はこのコンピューターです。</translation>
+        </message>
+        <message>
+            <source>Nothing can be sent there. Look at the address and at the network.</source>
+            <translation>そこへは送れません。アドレスとネットワークを確認してください。</translation>
+        </message>
+        <message>
             <source>The port cannot be opened. Choose one from 1024 on.</source>
             <translation>ポートを開けません。1024 以上のポートを選んでください。</translation>
         </message>
@@ -7260,6 +7268,61 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Row %1, “%2”,</source>
             <comment>a mapping, its control</comment>
             <translation>行 %1「%2」</translation>
+        </message>
+    </context>
+    <context>
+        <name>imomushi::ReceiverRows</name>
+        <message>
+            <source>On. Nothing was sent yet.</source>
+            <translation>オンです。まだ何も送っていません。</translation>
+        </message>
+        <message>
+            <source>%1 frames/s are sent.</source>
+            <translation>毎秒 %1 フレームを送っています。</translation>
+        </message>
+        <message>
+            <source>Nobody took %1 packets: does the other program listen?</source>
+            <translation>%1 個のパケットが受け取られませんでした。相手のプログラムは待ち受けていますか。</translation>
+        </message>
+        <message>
+            <source>Send what is performed</source>
+            <translation>演技を送る</translation>
+        </message>
+        <message>
+            <source>Add a receiver</source>
+            <translation>送り先を追加</translation>
+        </message>
+        <message>
+            <source>Another program is told where bones, handles and shapes are, 60 times a second or as often as the project says: an avatar by VMC, a show controller or another Imomushi by OSC.</source>
+            <translation>ボーン、ハンドル、形の状態を、毎秒 60 回、またはプロジェクトの設定の回数だけ、ほかのプログラムに伝えます。アバターには VMC、ショーコントローラーや別の Imomushi には OSC を使います。</translation>
+        </message>
+        <message>
+            <source>Send to %1</source>
+            <comment>a receiver</comment>
+            <translation>%1 に送る</translation>
+        </message>
+        <message>
+            <source>Address of %1</source>
+            <comment>a receiver</comment>
+            <translation>%1 のアドレス</translation>
+        </message>
+        <message>
+            <source>The address of the other machine; 127.0.0.1 is this one.</source>
+            <translation>相手のコンピューターのアドレス。127.0.0.1 はこのコンピューターです。</translation>
+        </message>
+        <message>
+            <source>Port of %1</source>
+            <comment>a receiver</comment>
+            <translation>%1 のポート</translation>
+        </message>
+        <message>
+            <source>Remove this receiver</source>
+            <translation>この送り先を削除</translation>
+        </message>
+        <message>
+            <source>Remove %1</source>
+            <comment>a receiver</comment>
+            <translation>%1 を削除</translation>
         </message>
     </context>
     <context>

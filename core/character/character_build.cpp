@@ -25,21 +25,23 @@ std::size_t blockOf(const ResponseBlocks& blocks, std::int32_t vertex) {
 
 Result<Character> Character::build(CharacterInput input, std::initializer_list<const Character*> previous) {
     ElementRuntimes known;
-    std::vector<const RenderMeshJob*> knownMeshes;
+    std::vector<const FrameJobs*> former;
     for (const Character* one : previous) {
         if (!one) continue;
         for (const auto& e : one->state_->frame.elements) known.add(e.runtime);
-        if (one->state_->renderMeshes) knownMeshes.push_back(one->state_->renderMeshes);
+        former.push_back(&one->state_->jobs);
     }
     if (auto ok = checkInput(input, known); !ok) return tl::unexpected(ok.error());
     auto state = std::make_unique<State>(std::move(input));
-    if (auto ok = state->build(known, knownMeshes); !ok) return tl::unexpected(ok.error());
+    state->jobs.setFormer(std::move(former));
+    if (auto ok = state->build(known); !ok) return tl::unexpected(ok.error());
+    state->jobs.setFormer({});
     return Character(std::move(state));
 }
 
 Character::State::State(CharacterInput given) : frame(std::move(given)), kinematics(frame.input.skeleton) {}
 
-Result<void> Character::State::build(const ElementRuntimes& known, std::span<const RenderMeshJob* const> knownMeshes) {
+Result<void> Character::State::build(const ElementRuntimes& known) {
     const auto& input = frame.input;
     frame.joints.resize(input.joints.size());
     frame.elements.resize(input.elements.size());
@@ -68,7 +70,7 @@ Result<void> Character::State::build(const ElementRuntimes& known, std::span<con
         if (auto ok = effect->addJob(frame, jobs); !ok) return ok;
     if (auto ok = jobs.validate(); !ok) return ok;
     for (const auto& e : frame.elements) weighs = weighs || e.fades;
-    if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, knownMeshes);
+    if (!input.renderMeshes.empty()) renderMeshes = &jobs.add<RenderMeshJob>(frame, jobs.former<RenderMeshJob>());
     for (int m = 0; m < static_cast<int>(input.renderMeshes.size()); ++m) frame.morphs.push_back(renderMeshes->restWeights(m));
     frame.askedMorphs = frame.morphs;
     std::vector<std::vector<std::int32_t>> rimOf;

@@ -34,7 +34,7 @@ struct Character::State {
     explicit State(CharacterInput given);
 
     // Once (character_build.cpp).
-    Result<void> build(const ElementRuntimes& known, std::span<const RenderMeshJob* const> knownMeshes);
+    Result<void> build(const ElementRuntimes& known);
     Result<std::shared_ptr<const ElementRuntime>> runtimeOf(std::size_t e, const ElementRuntimes& known);
     void buildJoint(std::size_t j, double contraction);
     void buildHandles();

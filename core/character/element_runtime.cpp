@@ -9,19 +9,19 @@
 
 namespace imomushi {
 
-namespace {
-
-bool sameFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b) {
+bool sameJointFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const JointFace& f, const JointFace& g) {
         return f.frame.origin == g.frame.origin && f.frame.axes == g.frame.axes && f.area == g.area && f.size == g.size && f.planarityError == g.planarityError &&
                f.vertices == g.vertices && f.triangles == g.triangles;
     });
 }
 
+namespace {
+
 /// But for embedded points.
 bool sameBody(const ElementRuntime::Input& a, const ElementRuntime::Input& b) {
     return a.mesh == b.mesh && a.response == b.response && a.format == b.format && a.tables == b.tables && (!(a.tables.warp || a.embedded) || a.nu == b.nu) &&
-           a.covered == b.covered && sameFaces(a.faces, b.faces);
+           a.covered == b.covered && sameJointFaces(a.faces, b.faces);
 }
 
 bool same(const ElementRuntime::Input& a, const ElementRuntime::Input& b) { return a.embedded == b.embedded && sameBody(a, b); }
@@ -275,7 +275,7 @@ std::shared_ptr<const EmbeddedTables> ElementRuntimes::findEmbedded(const Elemen
     const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
     const auto found = std::find_if(begin, end, [&](const auto& known) {
         const auto& i = known.second->input;
-        return i.embedded == input.embedded && i.nu == input.nu && i.covered == input.covered && sameFaces(i.faces, input.faces);
+        return i.embedded == input.embedded && i.nu == input.nu && i.covered == input.covered && sameJointFaces(i.faces, input.faces);
     });
     return found == end ? nullptr : found->second->embedded;
 }
@@ -288,7 +288,7 @@ std::shared_ptr<const ElementRuntime> ElementRuntimes::findLike(const ElementRun
 
 std::shared_ptr<const LazyPoseWatch> ElementRuntimes::findWatch(const ElementRuntime::Input& input) const {
     const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
-    const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.response == input.response && sameFaces(known.second->input.faces, input.faces); });
+    const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.response == input.response && sameJointFaces(known.second->input.faces, input.faces); });
     return found == end ? nullptr : found->second->lazyWatch;
 }
 
@@ -297,7 +297,7 @@ bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, cons
     const auto [begin, end] = byMesh_.equal_range(mesh.get());
     return std::any_of(begin, end, [&](const auto& known) {
         const auto& i = known.second->input;
-        return i.mesh == mesh && i.response == response && sameFaces(i.faces, faces);
+        return i.mesh == mesh && i.response == response && sameJointFaces(i.faces, faces);
     });
 }
 

@@ -113,6 +113,9 @@ struct ElementRuntime {
     std::shared_ptr<const DentSurface> dents;    ///< null: not asked for
 };
 
+/// Whether the same response could belong to both: names and what is seen do not count.
+bool sameJointFaces(const std::vector<JointFace>& a, const std::vector<JointFace>& b);
+
 /// Calls take(vertex, column, block) for each body vertex of a joint face. `column`: first parameter of the face in v. `block`: 3 x parameters of the face, displacement in m per unit of them.
 void forHeldVertices(const ElementRuntime::Input& input, const std::function<void(std::int32_t, int, const Eigen::MatrixXd&)>& take);
 

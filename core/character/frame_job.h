@@ -151,6 +151,16 @@ public:
         return nullptr;
     }
 
+    /// While a character is built: the jobs of those before it, whose tables its own may take over.
+    void setFormer(std::vector<const FrameJobs*> former) { former_ = std::move(former); }
+    template <class Job>
+    [[nodiscard]] std::vector<const Job*> former() const {
+        std::vector<const Job*> found;
+        for (const FrameJobs* jobs : former_)
+            if (const Job* job = jobs->find<Job>()) found.push_back(job);
+        return found;
+    }
+
     /// Whether each job keeps to what its stages allow. Errors: "internal".
     [[nodiscard]] Result<void> validate() const;
     /// Calls `seen` before (`done` false) and after each part of a job, for tests.
@@ -198,6 +208,7 @@ private:
     std::vector<std::unique_ptr<FrameJob>> all_;
     Seen seen_;  // empty: nobody watches
     std::array<std::vector<FrameJob*>, static_cast<std::size_t>(Stage::kCount)> at_;
+    std::vector<const FrameJobs*> former_;
 };
 
 }  // namespace imomushi

@@ -10,6 +10,7 @@
 #include "core/base/decompositions.h"
 #include "core/base/finite.h"
 #include "core/base/parallel.h"
+#include "core/character/element_runtime.h"
 #include "core/joints/warping.h"
 
 namespace imomushi {
@@ -36,33 +37,47 @@ double boundFactor(double x, double limit) {
 struct JointEquilibrium::State {
     // Free parameters of a joint: S as xx, xy, yy, then those of warping columns, all in the axes of its first face. Each is one or two entries of the
     // table of vectors, one per scalar shape x, y, phi_1 ..., that the joint's displacement is made of.
-    struct Joint {
-        Matrix3d axes = Matrix3d::Identity();  // of the first face
+    struct JointTables {
+        std::shared_ptr<const ElementMesh> mesh;  // what they are made of: of the first face
+        std::vector<JointFace> face;
+        int shapes = 0;
+        Matrix3d axes = Matrix3d::Identity();
         Vec3 origin = Vec3::Zero(), place = Vec3::Zero();
         Warping warping;
         std::vector<Eigen::Matrix2Xd> slopes;  // per place: 2 x #shapes
+    };
+    struct Joint {
+        std::shared_ptr<const JointTables> tables;
         Matrix3d rotation = Matrix3d::Identity(), stretch = Matrix3d::Identity();
         Eigen::Matrix3Xd table;  // 3 x (2 + #shapes), bounded, in the axes of the first face
         Eigen::Matrix3Xd turned;  // warping in rest axes
     };
-    struct Face {
-        int joint = 0;
+    struct FaceTables {
+        std::shared_ptr<const JointTables> joint;
         Matrix3d axes, fromJoint;  // of the face; from the joint's axes to those
         bool untwist = false;      // the basis "paper" leaves out twists
         int first = 0, count = 0;  // columns of the response
         MatrixXd spread;           // count x 3 (2 + #shapes): v of the face from the table, turned into its axes
         MatrixXd pull;             // 3 (2 + #shapes) x columns: mu spread^T K
+    };
+    struct ElementTables {
+        CharacterInput::Element of;       // what they are made of, with the joints of its faces
+        std::vector<FaceTables> faces;
+        std::vector<MatrixXd> stiffness;  // of pairs of faces f, g <= f at f (f + 1) / 2 + g: between tables
+    };
+    struct Face {
+        int joint = 0;
         Matrix3d rotation = Matrix3d::Identity();  // from the joint's axes to those of the face as the element moves
-        VectorXd force;            // on the table
+        VectorXd force;                            // on the table
     };
     struct Element {
-        std::vector<Face> faces;
-        std::vector<MatrixXd> stiffness;  // of pairs of faces f, g <= f at f (f + 1) / 2 + g: between tables
+        std::shared_ptr<const ElementTables> tables;  // null: it has no response
+        std::vector<Face> faces;                      // as those of the tables
         VectorXd rigid, v, extra;
         bool loaded = false;
     };
 
-    explicit State(const CharacterInput& given) : input(given) {
+    State(const CharacterInput& given, std::span<const State* const> known) : input(given) {
         modes = input.basis.kind == BasisKind::Modes ? input.basis.modes : input.basis.kind == BasisKind::Full ? BasisChoice::kMaxModes : 0;
         shapes = warpShapes(modes);
         scalars = 2 + shapes;
@@ -73,7 +88,7 @@ struct JointEquilibrium::State {
             for (const auto& t : warpColumn(i)) terms[static_cast<std::size_t>(3 * (2 + t.shape) + t.axis)].push_back({3 + i, t.share});
         std::vector<char> free(input.joints.size(), 0);
         for (std::size_t j = 0; j < input.joints.size(); ++j) {
-            joints.push_back(buildJoint(input.joints[j]));
+            joints.push_back(buildJoint(input.joints[j], known));
             for (const auto& f : input.joints[j].faces) {
                 const auto& response = input.elements[f.element].response;
                 free[j] = free[j] || (response && response->columns() > 0);
@@ -81,7 +96,7 @@ struct JointEquilibrium::State {
         }
         std::set<std::pair<int, int>> pairs;
         elements.resize(input.elements.size());
-        parallelFor(hardwareThreads(), elements.size(), 1, [this](std::size_t e, std::size_t) { buildElement(static_cast<int>(e)); });
+        parallelFor(hardwareThreads(), elements.size(), 1, [&](std::size_t e, std::size_t) { buildElement(static_cast<int>(e), known); });
         for (const auto& element : elements)
             for (const auto& f : element.faces)
                 for (const auto& g : element.faces) pairs.emplace(f.joint, g.joint);
@@ -91,18 +106,35 @@ struct JointEquilibrium::State {
         for (const int size : sizes) right.emplace_back(VectorXd::Zero(size));
     }
 
-    Joint buildJoint(const CharacterInput::Joint& joint) const {
+    Joint buildJoint(const CharacterInput::Joint& joint, std::span<const State* const> known) const {
         Joint out;
-        const auto& first = input.elements[joint.faces[0].element];
-        const auto& face = first.faces[joint.faces[0].face];
-        const auto& body = first.mesh->body;
-        out.axes = face.frame.axes;
-        out.origin = face.frame.origin;
-        out.place = joint.point >= 0 ? input.skeleton.points[joint.point] : face.frame.origin;
-        out.warping = Warping(body, face, shapes);
         out.table = Eigen::Matrix3Xd::Zero(3, scalars);
         out.turned = Eigen::Matrix3Xd::Zero(3, shapes);
-        if (shapes == 0) return out;
+        const auto& first = input.elements[joint.faces[0].element];
+        const auto& face = first.faces[joint.faces[0].face];
+        const Vec3 place = joint.point >= 0 ? input.skeleton.points[joint.point] : face.frame.origin;
+        for (const State* one : known)
+            for (const Joint& other : one->joints)
+                if (const auto& t = other.tables; t->mesh == first.mesh && t->shapes == shapes && t->place == place && sameJointFaces(t->face, {face})) {
+                    out.tables = t;
+                    return out;
+                }
+        out.tables = tablesOf(first.mesh, face, place);
+        return out;
+    }
+
+    [[nodiscard]] std::shared_ptr<const JointTables> tablesOf(const std::shared_ptr<const ElementMesh>& mesh, const JointFace& face, const Vec3& place) const {
+        auto made = std::make_shared<JointTables>();
+        JointTables& out = *made;
+        const auto& body = mesh->body;
+        out.mesh = mesh;
+        out.face = {face};
+        out.shapes = shapes;
+        out.axes = face.frame.axes;
+        out.origin = face.frame.origin;
+        out.place = place;
+        out.warping = Warping(body, face, shapes);
+        if (shapes == 0) return made;
         const std::size_t stride = face.vertices.size() / kMaxPlaces + 1;
         const double step = kSlopeStep * face.size;
         for (std::size_t i = 0; i < face.vertices.size() && step > 0.0; i += stride) {
@@ -117,49 +149,68 @@ struct JointEquilibrium::State {
             }
             out.slopes.push_back(slope);
         }
-        return out;
+        return made;
     }
 
     // Scalar shapes of the joint at a rest position.
-    void scalarsAt(const Joint& joint, const Vec3& p, double* values) const {
+    static void scalarsAt(const JointTables& joint, const Vec3& p, double* values) {
         const Vec3 about = joint.axes.transpose() * (p - joint.place), local = joint.axes.transpose() * (p - joint.origin);
         values[0] = about.x();
         values[1] = about.y();
         joint.warping.at(local.x(), local.y(), values + 2);
     }
 
-    void buildElement(int e) {
+    void buildElement(int e, std::span<const State* const> known) {
         const auto& given = input.elements[e];
         auto& out = elements[e];
         if (!given.response || given.response->columns() == 0) return;
-        const auto& response = *given.response;
-        const int columns = response.columns();
-        out.rigid = out.v = out.extra = VectorXd::Zero(columns);
+        out.rigid = out.v = out.extra = VectorXd::Zero(given.response->columns());
         std::vector<int> jointOf(given.faces.size(), 0);
         for (std::size_t j = 0; j < input.joints.size(); ++j)
             for (const auto& f : input.joints[j].faces)
                 if (f.element == e) jointOf[f.face] = static_cast<int>(j);
+        std::vector<std::shared_ptr<const JointTables>> jointTables;
+        for (const int j : jointOf) {
+            out.faces.push_back({j, Matrix3d::Identity(), VectorXd::Zero(3 * scalars)});
+            jointTables.push_back(joints[j].tables);
+        }
+        for (const State* one : known)
+            for (const Element& other : one->elements)
+                if (!out.tables && other.tables && fits(*other.tables, given, jointTables)) out.tables = other.tables;
+        if (!out.tables) out.tables = tablesOf(given, jointTables);
+    }
+
+    static bool fits(const ElementTables& tables, const CharacterInput::Element& given, const std::vector<std::shared_ptr<const JointTables>>& jointTables) {
+        return tables.of.response == given.response && tables.of.mesh == given.mesh && tables.of.stiffness == given.stiffness &&
+               std::ranges::equal(tables.faces, jointTables, {}, &FaceTables::joint) && sameJointFaces(tables.of.faces, given.faces);
+    }
+
+    [[nodiscard]] std::shared_ptr<const ElementTables> tablesOf(const CharacterInput::Element& given, const std::vector<std::shared_ptr<const JointTables>>& jointTables) const {
+        auto made = std::make_shared<ElementTables>();
+        ElementTables& out = *made;
+        const auto& response = *given.response;
+        out.of = given;
         for (std::size_t f = 0; f < given.faces.size(); ++f) {
-            Face face;
-            face.joint = jointOf[f];
+            FaceTables face;
+            face.joint = jointTables[f];
             face.axes = given.faces[f].frame.axes;
-            face.fromJoint = face.axes.transpose() * joints[face.joint].axes;
+            face.fromJoint = face.axes.transpose() * face.joint->axes;
             face.untwist = response.bases[f].kind == BasisKind::Paper;
             face.first = response.firstColumn[f];
             face.count = response.bases[f].columns();
-            face.spread = spreadOf(given.mesh->body, given.faces[f], response.bases[f], joints[face.joint]);
+            face.spread = spreadOf(given.mesh->body, given.faces[f], response.bases[f], *face.joint);
             face.pull = given.stiffness * (face.spread.transpose() * response.stiffness.middleRows(face.first, face.count));
-            face.force = VectorXd::Zero(3 * scalars);
             out.faces.push_back(std::move(face));
         }
         for (std::size_t f = 0; f < out.faces.size(); ++f)
             for (std::size_t g = 0; g <= f; ++g)
                 out.stiffness.emplace_back(out.faces[f].pull.middleCols(out.faces[g].first, out.faces[g].count) * out.faces[g].spread);
+        return made;
     }
 
     // v of a face from vectors of the joint's scalar shapes, in the axes of the face. What the basis of the face cannot say is left out, the rest is
     // nearest in the mean over its area: the same polynomials on two meshes of a face agree exactly.
-    [[nodiscard]] MatrixXd spreadOf(const TriangleMesh& body, const JointFace& face, const FaceBasis& basis, const Joint& joint) const {
+    [[nodiscard]] MatrixXd spreadOf(const TriangleMesh& body, const JointFace& face, const FaceBasis& basis, const JointTables& joint) const {
         MatrixXd out = MatrixXd::Zero(basis.columns(), 3 * scalars);
         VectorXd value(scalars);
         if (basis.kind == BasisKind::Full) {
@@ -216,28 +267,32 @@ struct JointEquilibrium::State {
 
     // ---- per frame
     void turnFaces(Element& element, const Matrix3d& rotation) {
-        for (auto& f : element.faces) {
-            f.rotation.noalias() = f.axes.transpose() * (rotation.transpose() * (joints[f.joint].rotation * f.axes));
-            if (f.untwist) {
+        for (std::size_t i = 0; i < element.faces.size(); ++i) {
+            Face& f = element.faces[i];
+            const FaceTables& t = element.tables->faces[i];
+            f.rotation.noalias() = t.axes.transpose() * (rotation.transpose() * (joints[f.joint].rotation * t.axes));
+            if (t.untwist) {
                 const double twist = std::atan2(f.rotation(1, 0) - f.rotation(0, 1), f.rotation(0, 0) + f.rotation(1, 1));
                 const double c = std::cos(twist), s = std::sin(twist);
                 const Vec3 x = c * f.rotation.col(0) - s * f.rotation.col(1), y = s * f.rotation.col(0) + c * f.rotation.col(1);
                 f.rotation.col(0) = x;
                 f.rotation.col(1) = y;
             }
-            f.rotation = (f.rotation * f.fromJoint).eval();
+            f.rotation = (f.rotation * t.fromJoint).eval();
         }
     }
 
     void addForces(Element& element) {
-        for (auto& f : element.faces) {
-            f.force.noalias() = f.pull * element.rigid;
-            if (element.loaded) f.force.noalias() += f.spread.transpose() * element.extra.segment(f.first, f.count);
+        for (std::size_t i = 0; i < element.faces.size(); ++i) {
+            Face& f = element.faces[i];
+            const FaceTables& t = element.tables->faces[i];
+            f.force.noalias() = t.pull * element.rigid;
+            if (element.loaded) f.force.noalias() += t.spread.transpose() * element.extra.segment(t.first, t.count);
             auto& r = right[f.joint];
             for (int a = 0; a < scalars; ++a) {
-                const Vec3 t = f.rotation.transpose() * f.force.segment<3>(3 * a);
+                const Vec3 force = f.rotation.transpose() * f.force.segment<3>(3 * a);
                 for (int d = 0; d < 3; ++d)
-                    for (const auto& [to, share] : terms[static_cast<std::size_t>(3 * a + d)]) r[to] -= share * t[d];
+                    for (const auto& [to, share] : terms[static_cast<std::size_t>(3 * a + d)]) r[to] -= share * force[d];
             }
         }
     }
@@ -271,7 +326,7 @@ struct JointEquilibrium::State {
             addForces(element);
             std::size_t pair = 0;
             for (std::size_t f = 0; f < element.faces.size(); ++f)
-                for (std::size_t g = 0; g <= f; ++g) addStiffness(element.faces[f], element.faces[g], element.stiffness[pair++]);
+                for (std::size_t g = 0; g <= f; ++g) addStiffness(element.faces[f], element.faces[g], element.tables->stiffness[pair++]);
         }
         for (std::size_t j = 0; j < joints.size(); ++j) {
             auto diagonal = system.diagonal(static_cast<int>(j)).diagonal();
@@ -289,10 +344,12 @@ struct JointEquilibrium::State {
         for (auto& element : elements) {
             if (element.faces.empty()) continue;
             element.v = element.rigid;
-            for (auto& f : element.faces) {
+            for (std::size_t i = 0; i < element.faces.size(); ++i) {
+                Face& f = element.faces[i];
+                const FaceTables& t = element.tables->faces[i];
                 const auto& table = joints[f.joint].table;
                 for (int a = 0; a < scalars; ++a) f.force.segment<3>(3 * a).noalias() = f.rotation * table.col(a);
-                element.v.segment(f.first, f.count).noalias() += f.spread * f.force;
+                element.v.segment(t.first, t.count).noalias() += t.spread * f.force;
             }
         }
         return good;
@@ -311,20 +368,20 @@ struct JointEquilibrium::State {
         joint.table(1, 1) = mean - turn * half;
         Matrix3d local = Matrix3d::Identity();
         local.topLeftCorner<2, 2>() += joint.table.topLeftCorner<2, 2>();
-        joint.stretch.noalias() = joint.axes * local * joint.axes.transpose();
+        joint.stretch.noalias() = joint.tables->axes * local * joint.tables->axes.transpose();
         if (shapes == 0) return;
         for (int i = 0; i < modes; ++i)
             for (const auto& t : warpColumn(i)) joint.table(t.axis, 2 + t.shape) += t.share * q[3 + i];
         auto warped = joint.table.rightCols(shapes);
         double worst = 0.0;
-        for (const auto& slope : joint.slopes) {
+        for (const auto& slope : joint.tables->slopes) {
             Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();
             for (int k = 0; k < shapes; ++k) gradient.noalias() += warped.col(k) * slope.col(k).transpose();
             const double fold = gradient.topRows<2>().squaredNorm() / (kMaxFold * kMaxFold * (1.0 + least) * (1.0 + least));
             worst = std::max(worst, fold + gradient.row(2).squaredNorm() / (kMaxSlope * kMaxSlope));
         }
         warped *= boundFactor(std::sqrt(worst), 1.0);
-        joint.turned.noalias() = joint.axes * warped;
+        joint.turned.noalias() = joint.tables->axes * warped;
     }
 
     [[nodiscard]] double energyOf(bool rigid) const {
@@ -352,7 +409,11 @@ struct JointEquilibrium::State {
     std::vector<VectorXd> right;  // per joint; the solution after solve()
 };
 
-JointEquilibrium::JointEquilibrium(const CharacterInput& input) : state_(std::make_unique<State>(input)) {}
+JointEquilibrium::JointEquilibrium(const CharacterInput& input, std::span<const JointEquilibrium* const> known) {
+    std::vector<const State*> states;
+    for (const JointEquilibrium* one : known) states.push_back(one->state_.get());
+    state_ = std::make_unique<State>(input, states);
+}
 JointEquilibrium::JointEquilibrium(JointEquilibrium&&) noexcept = default;
 JointEquilibrium& JointEquilibrium::operator=(JointEquilibrium&&) noexcept = default;
 JointEquilibrium::~JointEquilibrium() = default;
@@ -373,7 +434,7 @@ const Matrix3d& JointEquilibrium::stretch(int joint) const { return state_->join
 Eigen::Ref<const Eigen::Matrix3Xd> JointEquilibrium::warping(int joint) const { return state_->joints[joint].turned; }
 int JointEquilibrium::warpingShapes() const { return state_->shapes; }
 void JointEquilibrium::shapes(int joint, const Vec3& rest, double* values) const {
-    const auto& j = state_->joints[joint];
+    const auto& j = *state_->joints[joint].tables;
     const Vec3 local = j.axes.transpose() * (rest - j.origin);
     j.warping.at(local.x(), local.y(), values);
 }
@@ -386,10 +447,11 @@ JointEquilibrium::Constants JointEquilibrium::constants() const {
         for (const auto& term : entry) shares.emplace_back(term.parameter, term.share);
     }
     out.parameters = 3 + s.modes;
-    for (const auto& joint : s.joints) out.joints.push_back({joint.axes, joint.slopes});
+    for (const auto& joint : s.joints) out.joints.push_back({joint.tables->axes, joint.tables->slopes});
     for (const auto& element : s.elements) {
         auto& faces = out.spread.emplace_back();
-        for (const auto& face : element.faces) faces.push_back(face.spread);
+        if (!element.tables) continue;
+        for (const auto& face : element.tables->faces) faces.push_back(face.spread);
     }
     return out;
 }

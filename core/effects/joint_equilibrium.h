@@ -23,7 +23,8 @@ namespace imomushi {
 /// A frame does not allocate. In the basis "full" joints have the most modes that there are.
 class JointEquilibrium {
 public:
-    explicit JointEquilibrium(const CharacterInput& input);  ///< which must outlive this
+    /// `input` must outlive this. Tables of joints and elements that are the same in `known` ones are taken over.
+    explicit JointEquilibrium(const CharacterInput& input, std::span<const JointEquilibrium* const> known = {});
     JointEquilibrium(JointEquilibrium&&) noexcept;
     JointEquilibrium& operator=(JointEquilibrium&&) noexcept;
     ~JointEquilibrium();

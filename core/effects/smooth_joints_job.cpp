@@ -19,7 +19,7 @@ constexpr double kFadedAngle = 0.6;
 
 class SmoothJointsJob final : public FrameJob {
 public:
-    explicit SmoothJointsJob(Frame& frame) : FrameJob(SmoothJointsEffect::kName, {{Stage::Equilibrium, FrameData::Joints | FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::JointMaps | FrameData::Parameters}}), equilibrium_(frame.input) {
+    SmoothJointsJob(Frame& frame, std::span<const JointEquilibrium* const> known) : FrameJob(SmoothJointsEffect::kName, {{Stage::Equilibrium, FrameData::Joints | FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads, FrameData::JointMaps | FrameData::Parameters}}), equilibrium_(frame.input, known) {
         frame.smooth = true;
         const int shapes = frame.warpingShapes = equilibrium_.warpingShapes();
         for (auto& j : frame.joints) j.warping = Eigen::Matrix3Xd::Zero(3, shapes);
@@ -56,6 +56,8 @@ public:
     }
 
 
+    [[nodiscard]] const JointEquilibrium& equilibrium() const { return equilibrium_; }
+
 private:
     // The shape of a joint is of small motions. Where elements are warped it fades while the joint turns away from them: they keep their volume with rigid
     // joints, and creases would come back.
@@ -73,7 +75,10 @@ private:
 }  // namespace
 
 Result<void> SmoothJointsEffect::addJob(Frame& frame, FrameJobs& jobs) const {
-    if (!frame.input.effects.has<PreviousModelEffect>()) jobs.add<SmoothJointsJob>(frame);
+    if (frame.input.effects.has<PreviousModelEffect>()) return {};
+    std::vector<const JointEquilibrium*> known;
+    for (const SmoothJointsJob* job : jobs.former<SmoothJointsJob>()) known.push_back(&job->equilibrium());
+    jobs.add<SmoothJointsJob>(frame, known);
     return {};
 }
 

@@ -143,16 +143,54 @@ bool readElement(std::string_view bytes, int depth, const std::function<bool(con
     return true;
 }
 
+void addText(std::string& to, std::string_view text) {
+    to += text;
+    to.append(4 - text.size() % 4, '\0');
+}
+
+void addNumber(std::string& to, std::uint32_t bits) {
+    for (int shift = 24; shift >= 0; shift -= 8) to += static_cast<char>(bits >> shift & 0xFF);
+}
+
 }  // namespace
 
 std::string oscMessage(std::string_view address, std::string_view text, std::int32_t number) {
     std::string made;
-    for (const std::string_view part : {address, std::string_view(",si"), text}) {
-        made += part;
-        made.append(4 - part.size() % 4, '\0');
-    }
-    for (int shift = 24; shift >= 0; shift -= 8) made += static_cast<char>(static_cast<std::uint32_t>(number) >> shift & 0xFF);
+    for (const std::string_view part : {address, std::string_view(",si"), text}) addText(made, part);
+    addNumber(made, static_cast<std::uint32_t>(number));
     return made;
+}
+
+void OscBundle::begin(const Send& send) {
+    send_ = &send;
+    bytes_.clear();
+}
+
+void OscBundle::end() {
+    if (!bytes_.empty()) (*send_)(std::as_bytes(std::span(bytes_)));
+    bytes_.clear();
+}
+
+void OscBundle::put(std::string_view address, std::optional<std::string_view> text, std::optional<std::int32_t> number, std::initializer_list<float> numbers) {
+    message_.clear();
+    addText(message_, address);
+    const std::size_t tags = message_.size();
+    message_ += ',';
+    if (text) message_ += 's';
+    if (number) message_ += 'i';
+    message_.append(numbers.size(), 'f');
+    message_.append(4 - (message_.size() - tags) % 4, '\0');
+    if (text) addText(message_, *text);
+    if (number) addNumber(message_, static_cast<std::uint32_t>(*number));
+    for (const float one : numbers) addNumber(message_, std::bit_cast<std::uint32_t>(one));
+    if (bytes_.size() + 4 + message_.size() > kMostBytes) end();
+    if (bytes_.empty()) {
+        addText(bytes_, "#bundle");
+        addNumber(bytes_, 0);
+        addNumber(bytes_, 1);  // at once
+    }
+    addNumber(bytes_, static_cast<std::uint32_t>(message_.size()));
+    bytes_ += message_;
 }
 
 bool readOscPacket(std::span<const std::byte> packet, const std::function<bool(const OscMessage&)>& take) {

@@ -147,8 +147,29 @@ struct InputDriver::Tables {
         return &turned.emplace_back(made);
     }
 
+    /// Bones between two that are turned go along with the upper one, and carry the lower one.
+    void addBetween() {
+        std::vector<char> known(plan.bones.size(), 0);
+        for (const Turned& t : turned) known[t.bone] = 1;
+        for (std::size_t b = 0; b < plan.bones.size(); ++b) {
+            if (!known[b]) continue;
+            std::vector<int> between;
+            int up = tree.parent[b];
+            for (; up >= 0 && !known[static_cast<std::size_t>(up)]; up = tree.parent[static_cast<std::size_t>(up)]) between.push_back(up);
+            if (up < 0) continue;
+            for (const int bone : between) {
+                MappedTarget target;
+                target.kind = Kind::BoneTurn;
+                target.end = {plan.bones[static_cast<std::size_t>(bone)], true};
+                if (Turned* made = findTurned(target)) made->between = true;
+                known[static_cast<std::size_t>(bone)] = 1;
+            }
+        }
+    }
+
     /// Parents before children, with what they know of each other.
     void sortTurned() {
+        addBetween();
         std::ranges::sort(turned, {}, &Turned::bone);
         for (Turned& t : turned) {
             const auto parent = std::ranges::find_if(turned, [&](const Turned& p) { return static_cast<int>(p.bone) == tree.parent[t.bone]; });

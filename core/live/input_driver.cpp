@@ -146,7 +146,7 @@ void InputDriver::follow(Turned& bone) {
     bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
     Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
     bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * (parent->length * bone.fromParent)) : start ? start->input.target : bone.startAt;
-    const bool moves = mine || poses_;  // else it only carries others
+    const bool moves = mine || bone.between || poses_;  // else it only carries others
     // A row that turns a bone gives it its length at rest; poses have lengths of their own.
     bone.length = mine && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
     if (start && !parent && moves) start->moved = !start->byHand;  // held, too

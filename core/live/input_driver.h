@@ -65,6 +65,7 @@ private:
         Vec3 base = Vec3::Zero(), added = Vec3::Zero();  ///< the turn without poses, where no slot says it; what poses add
         double baseLength = 1.0, longer = 0.0;           ///< over that at rest, the same
         bool pinned = false;               ///< its end stays where it is pinned
+        bool between = false;              ///< nothing turns it but what it hangs on
         // Of the last step
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
         Vec3 startNow = Vec3::Zero();

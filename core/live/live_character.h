@@ -27,6 +27,16 @@ struct StageTimes {
 };
 StageTimes stageTimes(const Character& character);
 
+/// What steps change of a document, in the order of its maps.
+struct PassedTime {
+    Pose pose;
+    std::vector<EndpointGoal> goals;
+    std::vector<HandleGoal> handles;
+    std::vector<TurnGoal> turns;
+    std::vector<double> morphs;   ///< weights of all morph targets of all characters
+    std::vector<double> numbers;  ///< of effects: Effect::values of each, one after the other
+};
+
 /// What a LiveCharacter built, for another one of a document that shares parts with its own. On any thread.
 struct BuiltCharacter {
     Character character;
@@ -74,6 +84,8 @@ public:
     const Pose& shownPose();
     /// Like shownPose(), without building. There must be a character.
     [[nodiscard]] const Pose& presentPose() const;
+    /// A handle of the plan as it is shown, in the world. There must be a character.
+    [[nodiscard]] HandlePose presentHandle(int handle) const { return character_->shownHandle(handle); }
     /// Character::shape() of the character as it is.
     void shape(double* numbers) const { character_->shape(numbers); }
     /// Where an endpoint is shown, m. Errors: those of built().
@@ -123,9 +135,13 @@ public:
     void beginPerforming();
     /// stepFrame() of the character as it is. It does not build and does not throw; where memory runs out, a recording ends.
     void advance(double seconds) noexcept;
+    /// Since beginPerforming(): what the steps made of the document. Takes memory only where `passed` is not of this stretch.
+    void passed(PassedTime& passed) const;
+    /// On the thread of whoever has the history, while another one steps: its document becomes what passed() said, without a step of the history.
+    void bringPassed(const PassedTime& passed);
     /// Flesh of two elements has met since beginPerforming().
     [[nodiscard]] bool hasMet() const { return met_; }
-    /// The document of the history becomes what the copy is, without a step.
+    /// The document of the history becomes what the copy is, without a step. Does nothing unless it was begun.
     void endPerforming() noexcept;
     /// Milliseconds that an effect took in the last frame; none: the frame did without it.
     [[nodiscard]] std::optional<double> effectMilliseconds(EffectKind effect) const;

@@ -237,7 +237,48 @@ void LiveCharacter::advance(double seconds) noexcept {
     }
 }
 
+void LiveCharacter::passed(PassedTime& passed) const {
+    const Document& document = this->document();
+    passed.pose = document.pose;
+    const auto values = [](const auto& map, auto& to) {
+        to.clear();
+        for (const auto& [key, value] : map) to.push_back(value);
+    };
+    values(document.goals, passed.goals);
+    values(document.handleGoals, passed.handles);
+    values(document.turns, passed.turns);
+    values(document.morphs, passed.morphs);
+    passed.numbers.clear();
+    for (std::size_t k = 0; k < kEffects; ++k) {
+        const auto& of = document.effects[static_cast<EffectKind>(k)].values;
+        passed.numbers.insert(passed.numbers.end(), of.begin(), of.end());
+    }
+}
+
+void LiveCharacter::bringPassed(const PassedTime& passed) {
+    Document& document = history_.passing();
+    document.pose = passed.pose;
+    const auto bring = [](const auto& values, auto& map) {
+        auto value = values.begin();
+        for (auto& [key, to] : map) to = *value++;
+    };
+    bring(passed.goals, document.goals);
+    bring(passed.handles, document.handleGoals);
+    bring(passed.turns, document.turns);
+    auto weight = passed.morphs.begin();
+    for (const auto& [id, character] : document.characters)
+        for (std::size_t t = 0; t < character->model->morphs.size(); ++t, ++weight) {
+            const MorphRef morph{id, static_cast<std::int32_t>(t)};
+            if (*weight == character->model->morphs[t].atRest) document.morphs.erase(morph);
+            else document.morphs.insert_or_assign(morph, *weight);
+        }
+    auto number = passed.numbers.begin();
+    for (std::size_t k = 0; k < kEffects; ++k)
+        for (double& value : document.effects[static_cast<EffectKind>(k)].values) value = *number++;
+}
+
 void LiveCharacter::endPerforming() noexcept {
+    if (!performed_) return;
     Document& document = history_.passing();
     document.pose = std::move(performed_->pose);
     document.goals = std::move(performed_->goals);

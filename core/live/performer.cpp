@@ -5,6 +5,8 @@
 #include <chrono>
 #include <new>
 
+#include "core/live/sending_thread.h"
+
 namespace imomushi {
 
 Performer::Performer(LiveCharacter& live, std::function<void()> stepped)
@@ -40,6 +42,7 @@ double Performer::step(double seconds, double slept) {
         sleep = rests();
         frame.resting = sleep > 0.0;
         frames_.publish();
+        if (sending_) sending_->give(live_);
     } catch (const std::bad_alloc&) {
     }
     stepped_();
@@ -61,11 +64,7 @@ void Performer::fill(PerformedFrame& frame) const {
     live_.shape(frame.shape.data());
     frame.pose = live_.presentPose();
     frame.effectMs = live_.effectTimes();
-    frame.numbers.clear();
-    for (std::size_t k = 0; k < kEffects; ++k) {
-        const auto& values = live_.document().effects[static_cast<EffectKind>(k)].values;
-        frame.numbers.insert(frame.numbers.end(), values.begin(), values.end());
-    }
+    live_.passed(frame.passed);
     frame.stages = *live_.stages();
     frame.warnings = live_.warnings();
     frame.met = live_.hasMet();
@@ -95,6 +94,7 @@ void Performer::start() noexcept {
     try {
         const auto built = live_.built();
         if (!built || !*built) return;
+        if (sending_) sending_->give(live_);
         if (feed_ && fedHandles_ != live_.plan().handles) dropFeed();
         // A step would end the display of a take.
         if (inputs_.empty() && (!feed_ || live_.showsTake()) && !live_.inMotion()) return;
@@ -104,6 +104,7 @@ void Performer::start() noexcept {
         const InputTime input = frame().input;
         const double sleep = inputs_.empty() ? rests() : 0.0;
         resting_ = sleep > 0.0;
+        live_.beginPerforming();
         for (PerformedFrame& frame : frames_.allSlots()) {
             frame.shape.resize(numbers_.size());
             fill(frame);
@@ -116,10 +117,10 @@ void Performer::start() noexcept {
         recording_ = live_.recording() ? std::optional(live_.recording()->take.name) : std::nullopt;
         shownEffects_ = live_.document().effects;
         shownSettings_ = live_.settingsOfEffects();
-        live_.beginPerforming();
         running_ = true;
         thread_.run(live_.document().settings.rate, sleep);
     } catch (const std::bad_alloc&) {
+        live_.endPerforming();
         live_.drop();  // it stands still until the next command, which says that there is no memory
     }
 }
@@ -128,7 +129,6 @@ bool Performer::give(const LiveInput& input) {
     if (parked_ > 0 || inputs_.free() == 0) return false;
     inputs_.push({input, inputTime()});
     inputs_.publish();
-    given_ = true;
     resting_ = false;
     if (running_) thread_.wake();
     else start();
@@ -193,7 +193,7 @@ void Performer::follow(Character* built) {
 }
 
 void Performer::showFrame() {
-    const double* now = frame().numbers.data();
+    const double* now = frame().passed.numbers.data();
     for (std::size_t k = 0; k < kEffects; ++k) {
         auto& values = shownEffects_[static_cast<EffectKind>(k)].values;
         const bool same = std::equal(values.begin(), values.end(), now);

@@ -20,6 +20,8 @@
 
 namespace imomushi {
 
+class SendingThread;
+
 /// What a step of a performance shows: the numbers that a take keeps, and what the step has to say. Nobody changes it once it is published.
 struct PerformedFrame {
     std::uint64_t step = 0;      ///< how many were made
@@ -27,7 +29,7 @@ struct PerformedFrame {
     std::vector<double> shape;   ///< Character::shape()
     Pose pose;                   ///< LiveCharacter::shownPose()
     std::array<double, kEffects> effectMs{};  ///< negative: it had no such effect
-    std::vector<double> numbers; ///< of effects: Effect::values of each, one after the other
+    PassedTime passed;           ///< of the document
     double milliseconds = 0.0;   ///< wall time of the step
     StageTimes stages;
     unsigned warnings = 0;       ///< of FrameWarning
@@ -64,8 +66,8 @@ public:
     /// While it is parked: steps take live input from there, and what is given there wakes what rests. Null: from nowhere. It is let go where the character gets other handles.
     void feed(std::shared_ptr<InputFeed> feed);
     [[nodiscard]] InputFeed* feed() const { return feed_.get(); }
-    /// Inputs were given since the last call. The document does not contain them until park().
-    bool takeGiven() { return std::exchange(given_, !inputs_.empty()); }
+    /// While it is parked: what is shown is given there from now on. Null: nowhere.
+    void send(SendingThread* to) { sending_ = to; }
     /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
     bool take();
     /// Flesh of two elements met since the last call, and lacks its patches (the effect "contact"): the document says so.
@@ -103,6 +105,7 @@ private:
     SpscQueue<Given, 1024> inputs_;
     std::shared_ptr<InputFeed> feed_;
     std::vector<FaceRef> fedHandles_;  // that feed_ was made for
+    SendingThread* sending_ = nullptr;
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has
@@ -115,7 +118,7 @@ private:
     bool running_ = false;
     bool resting_ = false;          // while running_: the frame that was taken last rests, and nothing was given since
     bool waiting_ = false;          // to be started when somebody asks
-    bool met_ = false, given_ = false;
+    bool met_ = false;
     std::uint64_t steps_ = 0;       // of the thread
     std::atomic<std::uint64_t> taken_{0};  // of these
     struct {

@@ -182,17 +182,6 @@ void suggestControls(Suggestion& made, const Document& document, const Limbs& li
 
 // ---- VMC
 
-/// "leftUpperArm" is "LeftUpperArm", as Unity has it, whose thumbs begin one name later.
-std::string unityName(std::string role) {
-    for (const auto& [ours, unity] : {std::pair<std::string_view, std::string_view>{"ThumbProximal", "ThumbIntermediate"}, {"ThumbMetacarpal", "ThumbProximal"}})
-        if (role.ends_with(ours)) {
-            role.replace(role.size() - ours.size(), ours.size(), unity);
-            break;
-        }
-    if (!role.empty()) role[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(role[0])));
-    return role;
-}
-
 bool isHuman(const std::map<std::string, std::string>& roles) { return roles.contains("head") && (roles.contains("leftUpperArm") || roles.contains("leftUpperLeg")); }
 
 void addTurns(Suggestion& made, const std::string& bone, const std::string& turned) {
@@ -201,41 +190,11 @@ void addTurns(Suggestion& made, const std::string& bone, const std::string& turn
         made.add("bone/" + bone, kRotationVector + axis, "bone/" + turned + "/turn-" + "xyz"[axis], -std::numbers::pi, -std::numbers::pi, std::numbers::pi, 0.0, std::numbers::pi);
 }
 
-/// Names of bones by the roles that they have of a human: of the first character that has a head, and arms or legs.
-std::map<std::string, std::string> bonesByRole(const Document& document, const CharacterPlan& plan) {
-    const auto nameOf = [&](std::size_t bone) { return document.bones.at(plan.bones[bone])->name; };
-    for (const auto& [id, character] : document.characters) {
-        if (!character->rig || character->rig->bones.empty()) continue;
-        std::map<std::string, std::string> found;
-        const RigFollower follower(document, plan, *character);
-        for (const RigRole& role : humanRoles(*character->rig))
-            for (std::size_t b = 0; b < follower.follows().size(); ++b)
-                // The first bone that follows it, but for one that has its very name.
-                if (follower.follows()[b] == role.bone && (!found.contains(role.role) || nameOf(b) == character->rig->bones[static_cast<std::size_t>(role.bone)].name)) found[role.role] = nameOf(b);
-        if (isHuman(found)) return found;
-    }
-    // Bones that were placed by hand and have names that tell.
-    Rig rig;
-    const std::vector<int> parent = boneTree(plan.input.skeleton).parent;
-    for (std::size_t b = 0; b < plan.bones.size(); ++b) {
-        RigBone bone;
-        bone.name = nameOf(b);
-        if (const auto word = bone.name.find("-bone"); word != std::string::npos) bone.name.erase(word, 5);
-        bone.parent = parent[b];
-        bone.head = plan.input.skeleton.points[static_cast<std::size_t>(plan.input.skeleton.bones[b].start)];
-        bone.tail = plan.input.skeleton.points[static_cast<std::size_t>(plan.input.skeleton.bones[b].end)];
-        rig.bones.push_back(std::move(bone));
-    }
-    std::map<std::string, std::string> found;
-    for (const RigRole& role : humanRoles(rig)) found.emplace(role.role, nameOf(static_cast<std::size_t>(role.bone)));
-    return found;
-}
-
 void suggestBody(Suggestion& made, const Document& document, const CharacterPlan& plan, const Limbs& limbs) {
     const auto roles = bonesByRole(document, plan);
     if (isHuman(roles)) {
         for (const HumanRole& role : kHumanRoles)
-            if (const auto bone = roles.find(std::string(role.name)); bone != roles.end()) addTurns(made, unityName(bone->first), bone->second);
+            if (const auto bone = roles.find(std::string(role.name)); bone != roles.end()) addTurns(made, vmcBoneName(bone->first), bone->second);
         return;
     }
     // The sides of who performs are those of the character: its left is +x.
@@ -283,12 +242,56 @@ void suggestFace(Suggestion& made, const CharacterSource& character) {
         }
         const auto& [amount, name] = expression->second;
         made.add("blend/" + name, 0, target, 0.0, 0.0, amount, 0.0);
-        for (const auto& [now, older] : kOlderNames)
-            if (now == name) made.add("blend/" + std::string(older), 0, target, 0.0, 0.0, amount, 0.0);
+        if (const std::string older = olderExpressionName(name); older != name) made.add("blend/" + older, 0, target, 0.0, 0.0, amount, 0.0);
     }
 }
 
 }  // namespace
+
+std::map<std::string, std::string> bonesByRole(const Document& document, const CharacterPlan& plan) {
+    const auto nameOf = [&](std::size_t bone) { return document.bones.at(plan.bones[bone])->name; };
+    for (const auto& [id, character] : document.characters) {
+        if (!character->rig || character->rig->bones.empty()) continue;
+        std::map<std::string, std::string> found;
+        const RigFollower follower(document, plan, *character);
+        for (const RigRole& role : humanRoles(*character->rig))
+            for (std::size_t b = 0; b < follower.follows().size(); ++b)
+                // The first bone that follows it, but for one that has its very name.
+                if (follower.follows()[b] == role.bone && (!found.contains(role.role) || nameOf(b) == character->rig->bones[static_cast<std::size_t>(role.bone)].name)) found[role.role] = nameOf(b);
+        if (isHuman(found)) return found;
+    }
+    // Bones that were placed by hand and have names that tell.
+    Rig rig;
+    const std::vector<int> parent = boneTree(plan.input.skeleton).parent;
+    for (std::size_t b = 0; b < plan.bones.size(); ++b) {
+        RigBone bone;
+        bone.name = nameOf(b);
+        if (const auto word = bone.name.find("-bone"); word != std::string::npos) bone.name.erase(word, 5);
+        bone.parent = parent[b];
+        bone.head = plan.input.skeleton.points[static_cast<std::size_t>(plan.input.skeleton.bones[b].start)];
+        bone.tail = plan.input.skeleton.points[static_cast<std::size_t>(plan.input.skeleton.bones[b].end)];
+        rig.bones.push_back(std::move(bone));
+    }
+    std::map<std::string, std::string> found;
+    for (const RigRole& role : humanRoles(rig)) found.emplace(role.role, nameOf(static_cast<std::size_t>(role.bone)));
+    return found;
+}
+
+std::string vmcBoneName(std::string role) {
+    for (const auto& [ours, unity] : {std::pair<std::string_view, std::string_view>{"ThumbProximal", "ThumbIntermediate"}, {"ThumbMetacarpal", "ThumbProximal"}})
+        if (role.ends_with(ours)) {
+            role.replace(role.size() - ours.size(), ours.size(), unity);
+            break;
+        }
+    if (!role.empty()) role[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(role[0])));
+    return role;
+}
+
+std::string olderExpressionName(std::string_view name) {
+    for (const auto& [now, older] : kOlderNames)
+        if (now == name) return std::string(older);
+    return std::string(name);
+}
 
 double characterSize(const Document& document) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;

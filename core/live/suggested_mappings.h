@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "core/document/character_input.h"
 #include "core/document/input_mapping.h"
@@ -13,6 +15,13 @@ namespace imomushi {
 double characterSize(const Document& document);
 /// How far a control moves an end of a bone or a handle unless somebody says otherwise, m: a part of characterSize(), two digits.
 double usualReach(const Document& document);
+
+/// Names of bones by the roles that they have of a human ("leftUpperArm"): of the first character that has a head, and arms or legs; else of bones whose names tell.
+std::map<std::string, std::string> bonesByRole(const Document& document, const CharacterPlan& plan);
+/// What the VMC protocol calls a role of a human: "leftUpperArm" is "LeftUpperArm", as Unity has it, whose thumbs begin one name later.
+std::string vmcBoneName(std::string role);
+/// What VRM 0 and the VMC protocol call an expression of VRM 1.0: "happy" is "Joy". Others keep their names.
+std::string olderExpressionName(std::string_view name);
 
 /// The mappings by which a source drives a character that nobody has mapped yet.
 ///

@@ -367,6 +367,12 @@ bool Session::performInputs(std::shared_ptr<InputFeed> feed) {
     return true;
 }
 
+void Session::performOutputs(SendingThread* to) {
+    if (!performer_) return;
+    const ParkedPerformer parked(performer_.get());
+    performer_->send(to);
+}
+
 Result<bool> Session::holdInputs() {
     InputFeed* feed = performer_ ? performer_->feed() : nullptr;
     bool held = false;
@@ -390,8 +396,10 @@ bool Session::takeFrame() {
     if (!performer_) return false;
     performer_->refresh();
     const bool stepped = performer_->take();
-    // The document becomes what was performed, where that is at rest or somebody has a hand in it.
-    if (stepped && performer_->running() && (performer_->takeGiven() || performer_->frame().resting || performer_->frame().met)) const ParkedPerformer parked(performer_.get());
+    if (stepped && performer_->running()) {
+        live_->bringPassed(performer_->frame().passed);
+        if (performer_->frame().resting || performer_->frame().met) const ParkedPerformer parked(performer_.get());
+    }
     if (performer_->takeMeeting()) tellOfMeetings();
     return stepped;
 }

@@ -25,6 +25,7 @@ struct BuiltCharacter;
 class InputFeed;
 class LiveCharacter;
 class Performer;
+class SendingThread;
 struct StageTimes;
 struct CharacterPlan;
 struct PoseFinding;
@@ -115,6 +116,8 @@ public:
     bool give(const LiveInput& input);
     /// Live input for these steps, which go on as long as it is there; see Performer::feed(). Null: no more. False: frames are not stepped on a thread of their own.
     bool performInputs(std::shared_ptr<InputFeed> feed);
+    /// What is shown is given there from now on, and once at once; see Performer::send(). Null: nowhere.
+    void performOutputs(SendingThread* to);
     /// Live input moves something that nobody holds: holdInputs() is due.
     [[nodiscard]] bool inputsWait() const;
     /// Grabs, by commands, every target that live input moves and that nothing holds. Undo of these commands restores what was before. True: something was grabbed. Errors: those of "drag", "morph" and "set".

@@ -157,6 +157,48 @@ TEST_CASE("smooth joints: joints in equilibrium never have more energy than rigi
     }
 }
 
+TEST_CASE("smooth joints: tables of what did not change are taken over, and solve to the same bytes") {
+    std::mt19937 random(5);
+    std::normal_distribution<double> d(0.0, 0.2);
+    CharacterInput input = chain(parseBasis("modes:12").value());
+    const JointEquilibrium before(input);
+    const JointEquilibrium* known[] = {&before};
+    const auto asked = [&](std::span<const JointEquilibrium* const> of) {
+        const std::size_t start = allocations();
+        (void)JointEquilibrium(input, of);
+        return allocations() - start;
+    };
+    const std::size_t whole = asked({}), none = asked(known);
+    CharacterInput edited = input;
+    edited.elements[1].stiffness *= 0.5;
+    edited.elements[2].response = std::make_shared<const ElementResponse>(*edited.elements[2].response);
+    edited.skeleton.points[static_cast<std::size_t>(edited.joints[1].point)] += Vec3(0.01, 0.0, 0.02);
+    std::swap(input, edited);
+    const std::size_t some = asked(known);
+    MESSAGE("memory is asked for " << whole << " times without, " << none << " times with the same, " << some << " times with half of it changed");
+    CHECK(2 * none < whole);
+    CHECK(none < some);
+    CHECK(some < whole);
+    JointEquilibrium taken(input, known), fresh(input);
+    for (int k = 0; k < 5; ++k) {
+        for (std::size_t j = 0; j < input.joints.size(); ++j) {
+            const Eigen::Matrix3d turn = Eigen::AngleAxisd(d(random), Vec3(1, 2, 3).normalized()).toRotationMatrix();
+            taken.setJoint(static_cast<int>(j), turn);
+            fresh.setJoint(static_cast<int>(j), turn);
+        }
+        for (std::size_t e = 0; e < input.elements.size(); ++e) {
+            const Eigen::Matrix3d turn = Eigen::AngleAxisd(d(random), Vec3(3, -1, 1).normalized()).toRotationMatrix();
+            const Eigen::VectorXd rigid = Eigen::VectorXd::NullaryExpr(input.elements[e].response->columns(), [&] { return 0.1 * d(random); });
+            taken.setElement(static_cast<int>(e), turn, rigid);
+            fresh.setElement(static_cast<int>(e), turn, rigid);
+        }
+        REQUIRE(taken.solve());
+        REQUIRE(fresh.solve());
+        for (std::size_t e = 0; e < input.elements.size(); ++e) CHECK(taken.parameters(static_cast<int>(e)) == fresh.parameters(static_cast<int>(e)));
+        for (std::size_t j = 0; j < input.joints.size(); ++j) CHECK(taken.stretch(static_cast<int>(j)) == fresh.stretch(static_cast<int>(j)));
+    }
+}
+
 TEST_CASE("smooth joints: faces that are not flat stay closed, and rest at rest") {
     caterpillar::Shape shape;
     shape.elements = 3;

@@ -332,6 +332,46 @@ TEST_CASE("performer: a target that is given moves what is held with the next st
     CHECK(!s.w.session.document().goals.contains(input.end));
 }
 
+TEST_CASE("performer: who looks at a drag sees in the document where it is, and waits for no step") {
+    Swinging s(false);
+    std::atomic<bool> holding{false}, left{false}, waited{false};
+    s.w.session.perform([&] {  // a step that does not end until somebody has looked
+        const auto start = std::chrono::steady_clock::now();
+        while (holding && !left && !waited) {
+            std::this_thread::sleep_for(1ms);
+            waited = std::chrono::steady_clock::now() - start > 10s;
+        }
+        ++s.steps;
+    });
+    const Vec3 rest = s.at();
+    s.pull(rest + Vec3(0.05, 0.0, 0.0));
+    LiveInput input;
+    input.end = *s.w.session.document().endpoint("b/end");
+    input.target = rest + Vec3(0.4, 0.3, 0.0);
+    holding = true;
+    REQUIRE(s.w.session.give(input));
+    const auto target = [&] { return s.w.session.document().goals.at(input.end).target; };
+    const auto start = std::chrono::steady_clock::now();
+    int looks = 0;
+    for (int seen = s.steps; target() != input.target && std::chrono::steady_clock::now() - start < 60s;) {
+        std::this_thread::sleep_for(5ms);
+        if (s.w.session.takeFrame()) ++looks;
+        if (s.steps == seen && target() != input.target) {  // the step before took the input not yet
+            left = true;
+            while (s.steps == seen) std::this_thread::sleep_for(1ms);
+            seen = s.steps;
+            left = false;
+        }
+    }
+    CHECK(target() == input.target);
+    CHECK(looks > 0);
+    CHECK(!waited);
+    CHECK(s.w.session.document().pose.points.size() == s.w.session.plan().input.skeleton.points.size());
+    left = true;
+    holding = false;
+    REQUIRE(s.untilAtRest());
+}
+
 TEST_CASE("performer: a frame says when the first input came that no frame before it follows, and what its step took") {
     Swinging s;
     s.pull(s.at() + Vec3(0.05, 0.0, 0.0));

@@ -4,8 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <set>
+#include <thread>
 
 #include "tests/document/workbench.h"
 #include "ui/scene/framing.h"
@@ -217,4 +220,36 @@ TEST_CASE("a framed body fills the picture and stays inside it, from every side 
                 CHECK(std::max(widest, highest) > 0.6);
                 CHECK((camera.target - camera.eye).normalized().dot(direction.normalized()) > 0.999);
             }
+}
+
+TEST_CASE("two views of one character that is performed: each frame is deformed once, whoever looks") {
+    Workbench bench;
+    bench.buildChain();
+    bench.good({{"do", "precompute"}});
+    bench.good({{"do", "enable"}, {"effect", "bone-dynamics"}});
+    std::atomic<int> steps{0};
+    bench.session.perform([&] { ++steps; });
+    bench.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.0, 0.5, 3.0}}});
+    DocumentScene one, two;
+    render::Scene first, second;
+    const auto revision = [&] { return bench.session.character()->surface(0).revision; };
+    one.update(bench.session, {}, first);
+    std::uint64_t before = revision();
+    int frames = 0;
+    for (const auto start = std::chrono::steady_clock::now(); frames < 20 && std::chrono::steady_clock::now() - start < std::chrono::seconds(60);) {
+        if (!bench.session.takeFrame()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            continue;
+        }
+        if (!bench.session.moving()) break;  // its last frame is shown by the live character
+        ++frames;
+        one.update(bench.session, {}, first);
+        two.update(bench.session, {}, second);
+        CHECK(first.bodies[0].positions == second.bodies[0].positions);
+        CHECK(first.bodies[0].revision == second.bodies[0].revision);
+        CHECK(revision() == before + 1);
+        before = revision();
+    }
+    CHECK(frames == 20);
+    MESSAGE(frames << " frames of " << steps.load() << " steps were shown by two views, each deformed once");
 }

@@ -2,13 +2,16 @@
 // Performing by what other programs send: they are sockets of this test, on loopback.
 #include <QComboBox>
 #include <QLabel>
+#include <QLineEdit>
 #include <QPushButton>
 #include <QToolButton>
 
+#include "core/input/input_decoder.h"
 #include "tests/studio/window.h"
 #include "tests/support/osc_bytes.h"
 #include "tests/support/udp_sender.h"
 #include "tests/support/virtual_pad.h"
+#include "ui/models/commands.h"
 #include "ui/models/mapping_texts.h"
 #include "ui/models/recent_files.h"
 #include "ui/panels/live/live_panel.h"
@@ -476,4 +479,61 @@ TEST_CASE("live: the keyboard is mapped to whatever the character has by one cli
     w.trigger("undo");
     w.trigger("undo");
     CHECK(w.rows() == 0);
+}
+
+TEST_CASE("live: what is performed is sent to a program that listens, as long as its switch is on") {
+    LiveWindow w;
+    auto port = UdpPort::listen(0);
+    REQUIRE(port);
+    OutputDeck& outputs = w.window().outputs();
+    while (!outputs.receivers().empty()) outputs.remove(0);
+    outputs.add(OutputProtocol::Osc);
+    w.settle();
+    auto& number = w.part<QLineEdit>("port-of-receiver-1");
+    number.setFocus();
+    number.setText(QString::number(port->port()));
+    QTest::keyClick(&number, Qt::Key_Return);
+    CHECK(outputs.receivers()[0].port == port->port());
+    std::array<std::byte, 65536> room{};
+    CHECK(!port->take(room));  // nothing unless it is switched on
+    w.click("receiver-1");
+    CHECK(outputs.receivers()[0].on);
+    const auto decoder = makeInputDecoder(InputProtocol::Osc, "osc");
+    std::map<std::string, Vec3> places;
+    const auto told = [&] {
+        while (const auto size = port->take(room))
+            decoder->decode(std::span(room).first(*size), 0, [&](const InputValue& value) {
+                if (value.count == 3) places[std::string(value.channel.text())] = Vec3(value.numbers[0], value.numbers[1], value.numbers[2]);
+            });
+        const auto found = places.find("/imomushi/bone/" + w.lastEndName() + "/position");
+        return found == places.end() ? Vec3(Vec3::Constant(1e9)) : found->second;
+    };
+    waitFor([&] { return (told() - w.place(w.lastEnd())).norm() < 1e-4; });
+    const Vec3 to = w.place(w.lastEnd()) + Vec3(0.0, 0.2, 0.1);
+    w.run({{"do", "drag"}, {"endpoint", w.lastEndName()}, {"to", {to.x(), to.y(), to.z()}}});
+    waitFor([&] { return (told() - to).norm() < 0.02; });
+    auto& state = w.part<QLabel>("state-of-receiver-1");
+    waitFor([&] { return state.isVisible() && state.text().contains(QStringLiteral("frames/s")); });
+    // Another name: it is sent under that at once.
+    w.run(commands::rename(w.now().bones.rbegin()->second->name, "antenna"));
+    waitFor([&] { return (told() - w.place(w.lastEnd())).norm() < 1e-4; });
+    CHECK(places.contains("/imomushi/bone/antenna/end/position"));
+    // An address that is none is said, and is no trouble any more where it is mended.
+    auto& host = w.part<QLineEdit>("host-1");
+    host.setFocus();
+    host.setText(QStringLiteral("stage"));
+    QTest::keyClick(&host, Qt::Key_Return);
+    CHECK(!outputs.receivers()[0].on);
+    CHECK(state.text().contains(QStringLiteral("no address")));
+    host.setText(QStringLiteral("localhost"));
+    QTest::keyClick(&host, Qt::Key_Return);
+    CHECK(outputs.receivers()[0].on);
+    w.click("receiver-1");
+    w.settle();
+    (void)told();
+    places.clear();
+    QTest::qWait(1500);
+    (void)told();
+    CHECK(places.empty());
+    outputs.remove(0);
 }

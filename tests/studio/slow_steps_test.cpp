@@ -4,9 +4,11 @@
 
 #include "tests/studio/window.h"
 #include "tests/support/shapes.h"
+#include "ui/models/history_model.h"
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
 #include "ui/scene/cut_frame.h"
+#include "ui/widgets/switch.h"
 
 using namespace imomushi;
 
@@ -153,4 +155,48 @@ TEST_CASE("slow steps: copies, mirror images and what is removed of a large char
     w.wait();
     CHECK(w.now().characters.size() == 1);
     CHECK(w.position() == before + 2);
+}
+
+TEST_CASE("slow steps: the switch of an effect shows at once what was asked for, and who goes back in the history gives up what is not made yet") {
+    Worm w;
+    auto* button = w.window().findChild<Switch*>(QStringLiteral("smooth-joints"));
+    REQUIRE(button);
+    const auto on = [&] { return w.now().effects.has(EffectKind::SmoothJoints); };
+    const int before = w.position();
+    button->click();
+    CHECK(!on());
+    CHECK(button->isChecked());
+    QCoreApplication::processEvents();  // what the document says changes nothing of that
+    CHECK(button->isChecked());
+    w.wait();
+    CHECK(on());
+    CHECK(button->isChecked());
+    CHECK(w.position() == before + 1);
+    // Twice: as before.
+    button->click();
+    button->click();
+    CHECK(button->isChecked());
+    w.wait();
+    CHECK(on());
+    CHECK(button->isChecked());
+    CHECK(w.position() == before + 3);
+    button->click();
+    CHECK(!button->isChecked());
+    HistoryModel(w.document()).goTo(before);
+    waitFor([&] { return !w.window().steps().running() && w.position() == before; });
+    w.settle();
+    CHECK(!on());
+    CHECK(!button->isChecked());
+    CHECK(w.position() == before);
+}
+
+TEST_CASE("slow steps: a copy is not selected where something else was selected meanwhile") {
+    Worm w;
+    w.document().select({{SelectionItem::Kind::Character, w.character().id, {}, false}});
+    duplicateSelected(w.document());
+    const SelectionItem body{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false};
+    w.document().select({body});
+    w.wait();
+    CHECK(w.now().characters.size() == 2);
+    CHECK(w.document().selection() == std::vector{body});
 }

@@ -267,15 +267,17 @@ SoftWish softWish(const StudioDocument& document) {
 void duplicateSelected(StudioDocument& document) {
     SlowStep step;
     step.command = commands::duplicate(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone}));
-    step.done = [&document](const Json& answer) { selectCopies(document, answer); };
+    step.done = [&document, was = document.selection()](const Json& answer) {
+        if (document.selection() == was) selectCopies(document, answer);  // else somebody has gone on
+    };
     document.executeSlow(std::move(step));
 }
 
 void mirrorSelected(StudioDocument& document, char axis, std::function<void()> done) {
     SlowStep step;
     step.command = commands::mirror(selectedNames(document, {Kind::Element, Kind::Character, Kind::Bone, Kind::Face, Kind::Cut}), axis);
-    step.done = [&document, done = std::move(done)](const Json& answer) {
-        selectCopies(document, answer);
+    step.done = [&document, done = std::move(done), was = document.selection()](const Json& answer) {
+        if (document.selection() == was) selectCopies(document, answer);
         const Json& left = answer.at("not_mirrored");
         if (left.empty()) return done ? done() : void();
         const QString why = errorText({left[0].at("code").get<std::string>(), left[0].at("why").get<std::string>()}), name = QString::fromStdString(left[0].at("name").get<std::string>());

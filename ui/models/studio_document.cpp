@@ -110,6 +110,16 @@ void StudioDocument::executeSlow(SlowStep step) {
     executeAtOnce(step);
 }
 
+void StudioDocument::giveUpUnderWay() {
+    if (!underWay_.empty()) giveUp_();
+}
+
+void StudioDocument::setUnderWay(std::vector<Json> commands) {
+    if (commands == underWay_) return;
+    underWay_ = std::move(commands);
+    Q_EMIT underWayChanged();
+}
+
 void StudioDocument::executeAtOnce(const SlowStep& step) {
     const Services usual = session_.services();
     if (step.arrange) step.arrange(session_);

@@ -45,8 +45,12 @@ public:
     void executeSlow(SlowStep step);
     /// The same while the window waits.
     void executeAtOnce(const SlowStep& step);
-    /// Who does slow steps beside the window; nobody: they are done at once.
-    void setBeside(std::function<void(SlowStep)> beside) { beside_ = std::move(beside); }
+    /// Who does slow steps beside the window, and gives up those that are not made yet; nobody: they are done at once.
+    void setBeside(std::function<void(SlowStep)> beside, std::function<void()> giveUp) { beside_ = std::move(beside), giveUp_ = std::move(giveUp); }
+    void giveUpUnderWay();
+    /// The commands that are being done beside the window or wait for that, in their order: what they will make of the document.
+    void setUnderWay(std::vector<Json> commands);
+    [[nodiscard]] const std::vector<Json>& underWay() const { return underWay_; }
     /// The same as execute(), of a command whose work was done beside the window.
     Result<Json> executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step);
     /// What slow commands ask for; the studio answers from what was done beside the window.
@@ -68,6 +72,8 @@ public:
     bool give(const LiveInput& input) { return session_.give(input); }
     /// Live input for the performance, see Session::performInputs().
     void performInputs(std::shared_ptr<InputFeed> feed);
+    /// Where the performance is sent, see Session::performOutputs().
+    void performOutputs(SendingThread* to) { session_.performOutputs(to); }
     /// Takes hold of what inputs move, as one step. False: it could not, and failed() said why.
     bool holdInputs();
     /// One frame more: steps the session by `seconds` and measures it.
@@ -104,6 +110,7 @@ Q_SIGNALS:
     /// A command runs next that may change what elements are made of, besides how they are posed. changeDone() follows, whether it succeeds or not.
     void changing();
     void changeDone();
+    void underWayChanged();
     void estimated();          ///< estimateOf() says more
     void responsesChanged();   ///< a precompute finished or went out of date
     void historyChanged();     ///< undo, redo, steps
@@ -126,6 +133,8 @@ private:
     void measure(double milliseconds);
 
     std::function<void(SlowStep)> beside_;
+    std::function<void()> giveUp_;
+    std::vector<Json> underWay_;
     std::atomic<bool> frameAsked_{false};
     bool performing_ = false;
     Session session_;

@@ -41,6 +41,8 @@ const std::map<std::string, const char*> kErrors = {
     {"nothing-to-drive", QT_TRANSLATE_NOOP("Errors", "There is nothing that could be driven so: the character needs bones whose ends are free, handles or shapes.")},
     {"no-devices", QT_TRANSLATE_NOOP("Errors", "Devices of this kind cannot be had on this machine: the system has no driver for them, or does not let this program have them.")},
     {"port-taken", QT_TRANSLATE_NOOP("Errors", "Another program uses this port. Close it, or choose another port here and in the sender.")},
+    {"no-address", QT_TRANSLATE_NOOP("Errors", "This is no address. Give one such as 192.168.1.20; 127.0.0.1 is this machine.")},
+    {"cannot-send", QT_TRANSLATE_NOOP("Errors", "Nothing can be sent there. Look at the address and at the network.")},
     {"no-port", QT_TRANSLATE_NOOP("Errors", "The port cannot be opened. Choose one from 1024 on.")},
     {"not-raw-input", QT_TRANSLATE_NOOP("Errors", "This file is no recording of live input.")},
     {"input-too-long", QT_TRANSLATE_NOOP("Errors", "This recording of live input is too long. Record shorter parts.")},

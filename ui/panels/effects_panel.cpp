@@ -85,6 +85,7 @@ EffectsPanel::EffectsPanel(StudioDocument& document, QWidget* parent) : QScrollA
     };
     connect(&document, &StudioDocument::structureChanged, this, soon);
     connect(&document, &StudioDocument::responsesChanged, this, soon);
+    connect(&document, &StudioDocument::underWayChanged, this, soon);
     connect(&document, &StudioDocument::fileChanged, this, soon);
     connect(&document, &StudioDocument::frameStepped, this, [this] {
         stepped_.start();
@@ -195,7 +196,7 @@ void EffectsPanel::rebuild() {
         r.needs->hide();
         r.layout->addWidget(r.needs);
         all->addWidget(holder);
-        connect(r.button, &Switch::clicked, this, [this, effect] { turn(effect, !document_.document().effects.has(effect)); });
+        connect(r.button, &Switch::clicked, this, [this, effect] { turn(effect, !turnedOn(effect)); });
     }
     all->addStretch(1);
     setWidget(body);
@@ -208,8 +209,16 @@ void EffectsPanel::reveal(EffectKind effect) {
 }
 
 void EffectsPanel::turn(EffectKind effect, bool on) {
-    document_.execute(commands::setEnabled(effect, on));
+    document_.executeSlow({commands::setEnabled(effect, on)});
     refresh();
+}
+
+bool EffectsPanel::turnedOn(EffectKind effect) const {
+    bool on = document_.document().effects.has(effect);
+    for (const Json& command : document_.underWay())
+        for (const bool to : {false, true})
+            if (command == commands::setEnabled(effect, to)) on = to;
+    return on;
 }
 
 void EffectsPanel::refresh() {
@@ -219,7 +228,7 @@ void EffectsPanel::refresh() {
         Row& r = rows_[k];
         const bool on = document_.document().effects.has(effect);
         if (on && r.offer && !comparison_) r.offer->hide();
-        r.button->setChecked(on);
+        r.button->setChecked(turnedOn(effect));
         if (on && !r.settings && (!effectProperties(effect).empty() || isOfElements(effect) || effectDescriptor(effect).canBeAutomatic)) buildSettings(effect);
         if (!on && r.settings) {
             gesture_.reset();
@@ -468,7 +477,7 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
             QString text = QString::fromStdString(element->name);
             text.replace(u'&', QStringLiteral("&&"));
             QAction* action = menu->addAction(text, this, [this, effect, has, target = element->name] {
-                document_.execute(commands::setEnabled(effect, !has, target));
+                document_.executeSlow({commands::setEnabled(effect, !has, target)});
             });
             action->setCheckable(true);
             action->setChecked(has);

@@ -13,14 +13,21 @@ constexpr double kLongestTurn = 0.12;
 
 FrameClock::FrameClock(CameraController& camera, FrameMeter& meter) : camera_(camera), meter_(meter) {
     timer_.setTimerType(Qt::PreciseTimer);
-    timer_.setInterval(kFrameMs);
+    timer_.setSingleShot(true);
     connect(&timer_, &QTimer::timeout, this, &FrameClock::tick);
 }
 
 void FrameClock::start() {
     if (timer_.isActive() || !moving()) return;
     sinceTick_.start();
-    timer_.start();
+    timer_.start(1000 / kMostHertz);
+}
+
+void FrameClock::swapped() {
+    if (!timer_.isActive()) return;
+    const qint64 left = 1000 / kMostHertz - sinceTick_.elapsed();
+    if (left > 0) timer_.start(int(left));
+    else tick();
 }
 
 void FrameClock::tick() {
@@ -31,8 +38,9 @@ void FrameClock::tick() {
     work.start();
     if (playing()) deck_->advance(passed);
     meter_.addWork(elapsedMs(work));
+    if (moving()) timer_.start(kHiddenMs);
+    else timer_.stop();
     Q_EMIT ticked();
-    if (!moving()) timer_.stop();
 }
 
 }  // namespace imomushi

@@ -11,11 +11,12 @@
 
 namespace imomushi {
 
-/// Moves the camera and plays takes at 60 Hz. What moves by itself has a clock of its own (Performer).
+/// Moves the camera and plays takes, once for each picture that the screen shows. What moves by itself has a clock of its own (Performer).
 class FrameClock : public QObject {
     Q_OBJECT
 public:
-    static constexpr int kFrameMs = 16;
+    static constexpr int kMostHertz = 240;  ///< where the screen does not wait
+    static constexpr int kHiddenMs = 50;    ///< as often at least, where nothing is drawn
 
     /// Both must outlive it.
     FrameClock(CameraController& camera, FrameMeter& meter);
@@ -24,6 +25,8 @@ public:
     /// Starts where something moves.
     void start();
     void stop() { timer_.stop(); }
+    /// The picture that ticked() asked for is on the screen.
+    void swapped();
     [[nodiscard]] bool running() const { return timer_.isActive(); }
 
 Q_SIGNALS:

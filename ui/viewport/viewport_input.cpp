@@ -81,11 +81,12 @@ void ViewportWidget::keepMove(const PointerEvent& e) {
     if (move_ && (move_->modifiers != e.modifiers || move_->buttons != e.buttons)) giveMove();
     if (!move_) movedAt_ = inputTime();
     move_ = e;
-    const qint64 passed = sinceMove_.isValid() ? sinceMove_.elapsed() : FrameClock::kFrameMs;
-    if (passed >= FrameClock::kFrameMs)
+    // Once in a step.
+    const qint64 often = 1000 / document_.document().settings.rate, passed = sinceMove_.isValid() ? sinceMove_.elapsed() : often;
+    if (passed >= often)
         giveMove();
     else if (!nextMove_.isActive())
-        nextMove_.start(int(FrameClock::kFrameMs - passed));
+        nextMove_.start(int(often - passed));
 }
 
 void ViewportWidget::giveMove() {

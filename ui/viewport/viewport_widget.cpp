@@ -91,6 +91,7 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     connect(canvas_, &GlCanvas::painting, this, &ViewportWidget::paint);
     connect(canvas_, &GlCanvas::frameSwapped, this, [this] {
         if (const auto latency = latency_.swapped(inputTime())) Q_EMIT latencyMeasured(*latency);
+        clock_.swapped();
     });
     connect(canvas_, &GlCanvas::failed, this, [this, needed](const QString& why) { showMessage(needed + QStringLiteral("\n\n") + why); });
     connect(canvas_, &GlCanvas::ready, this, [this] {

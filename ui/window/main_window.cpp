@@ -30,6 +30,7 @@
 #include "ui/models/failures.h"
 #include "ui/models/gesture.h"
 #include "ui/models/input_deck.h"
+#include "ui/models/output_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
 #include "ui/panels/accuracy/accuracy_panel.h"
@@ -79,6 +80,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     actions_ = new StudioActions(this);
     deck_ = new TakeDeck(document_, this);
     inputs_ = new InputDeck(document_, *deck_, this);
+    outputs_ = new OutputDeck(document_, this);
     steps_ = new StepFlow(document_, [this] { return document_.inGesture() || (viewport_ && viewport_->tools().busy()); }, this);
     files_ = new FileFlow(document_, *steps_, this);
     rigs_ = new RigFlow(document_, *files_, *steps_, *deck_, this);
@@ -92,7 +94,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     buildStage();
     document_.perform();
     buildStatusBar();
-    docks_ = new StudioDocks(*this, document_, *deck_, *inputs_, *costs_, *actions_);
+    docks_ = new StudioDocks(*this, document_, *deck_, *inputs_, *outputs_, *costs_, *actions_);
     connectActions();
     menus_ = new StudioMenus(*this, *actions_, files_->recent(), *docks_);
     states_ = new ActionStates(*actions_, document_, *deck_, *inputs_, precompute_->job(), *steps_, *clipboard_, this);
@@ -136,6 +138,7 @@ MainWindow::~MainWindow() {
     delete docks_;
     delete export_;
     delete states_;
+    delete outputs_;
     delete inputs_;
     delete deck_;
     delete precompute_;
@@ -304,7 +307,7 @@ void MainWindow::connectSteps() {
     overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
     steps_->job().setAfterwards([](const Document& made) { makePicking(made.elements, made.characters); });
-    document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); });
+    document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); }, [this] { steps_->cancel(); });
     connect(steps_, &StepFlow::changed, viewport_, [this] { viewport_->redraw(); });  // what stood where it is going is there, or back
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
     // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.

@@ -29,6 +29,7 @@ class HistoryPanel;
 class InspectorPanel;
 class IssuesPanel;
 class InputDeck;
+class OutputDeck;
 class LivePanel;
 class MessageBar;
 enum class NavigationPreset;
@@ -71,6 +72,7 @@ public:
     [[nodiscard]] TakeDeck& deck() { return *deck_; }
     [[nodiscard]] LivePanel& live();
     [[nodiscard]] InputDeck& inputs() { return *inputs_; }
+    [[nodiscard]] OutputDeck& outputs() { return *outputs_; }
     [[nodiscard]] PrecomputeFlow& precompute() { return *precompute_; }
     [[nodiscard]] RepairFlow& repairs() { return *repairs_; }
     [[nodiscard]] StepFlow& steps() { return *steps_; }
@@ -156,6 +158,7 @@ private:
     StudioActions* actions_;
     TakeDeck* deck_;
     InputDeck* inputs_;
+    OutputDeck* outputs_;
     StepFlow* steps_;
     FileFlow* files_;
     RigFlow* rigs_;

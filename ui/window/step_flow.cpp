@@ -21,9 +21,16 @@ StepFlow::StepFlow(StudioDocument& document, std::function<bool()> busy, QObject
     connect(&job_, &BackgroundJob::finished, this, [this](bool completed) {
         if (completed) return finish();
         waiting_.clear();
-        Q_EMIT changed();
+        tell();
         Q_EMIT cancelled();
     });
+}
+
+void StepFlow::tell() {
+    std::vector<Json> commands;
+    for (const Waiting& one : waiting_) commands.push_back(one.step.command);
+    document_.setUnderWay(std::move(commands));
+    Q_EMIT changed();
 }
 
 QString StepFlow::title() const {
@@ -34,10 +41,11 @@ QString StepFlow::title() const {
 
 void StepFlow::start(SlowStep step) {
     waiting_.push_back({std::move(step), document_.session().position()});
-    if (waiting_.size() > 1 || takingOver_) return;
-    tries_ = 0;
-    next();
-    Q_EMIT changed();
+    if (waiting_.size() == 1 && !takingOver_) {
+        tries_ = 0;
+        next();
+    }
+    tell();
 }
 
 void StepFlow::cancel() {
@@ -45,14 +53,14 @@ void StepFlow::cancel() {
     later_.stop();
     if (waiting_.empty()) return;
     waiting_.clear();
-    Q_EMIT changed();
+    tell();
     Q_EMIT cancelled();
 }
 
 void StepFlow::cancelLatest() {
     if (waiting_.size() <= 1) return cancel();
     waiting_.pop_back();
-    Q_EMIT changed();
+    tell();
     Q_EMIT cancelled();
 }
 
@@ -88,7 +96,7 @@ void StepFlow::finish() {
     for (Waiting& other : waiting_) other.position = document_.session().position();
     tries_ = 0;
     if (!waiting_.empty()) next();
-    Q_EMIT changed();
+    tell();
 }
 
 }  // namespace imomushi

@@ -37,6 +37,7 @@ signals:
     void cancelled();
 
 private:
+    void tell();
     void next();
     void finish();
 

@@ -34,7 +34,7 @@ bool inFront(const QDockWidget& dock) { return dock.isVisible() && (dock.isFloat
 
 }  // namespace
 
-StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window), scale_(Appearance::instance().scale()) {
+StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, OutputDeck& outputs, FrameCostMeter& costs, ActionSet& actions) : QObject(&window), window_(window), scale_(Appearance::instance().scale()) {
     window.setDockOptions(QMainWindow::AnimatedDocks | QMainWindow::AllowTabbedDocks | QMainWindow::AllowNestedDocks);
     window.setTabPosition(Qt::RightDockWidgetArea, QTabWidget::North);
     window.setTabPosition(Qt::BottomDockWidgetArea, QTabWidget::North);
@@ -78,7 +78,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
     poses_ = new PosesPanel(document, actions, &window);
     posesDock_ = dock("posesDock", new Scrolled(poses_, &window), Qt::BottomDockWidgetArea);
     posesDock_->hide();
-    live_ = new LivePanel(document, inputs, deck, actions, &window);
+    live_ = new LivePanel(document, inputs, outputs, deck, actions, &window);
     liveDock_ = dock("liveDock", new Scrolled(live_, &window), Qt::BottomDockWidgetArea);
     liveDock_->hide();
     window.tabifyDockWidget(accuracyDock_, takesDock_);

@@ -19,6 +19,7 @@ class HistoryPanel;
 class InspectorPanel;
 class IssuesPanel;
 class InputDeck;
+class OutputDeck;
 class LivePanel;
 class OutlinerPanel;
 class PosesPanel;
@@ -30,7 +31,7 @@ class TakesPanel;
 class StudioDocks : public QObject {
     Q_OBJECT
 public:
-    StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, FrameCostMeter& costs, ActionSet& actions);
+    StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck& deck, InputDeck& inputs, OutputDeck& outputs, FrameCostMeter& costs, ActionSet& actions);
     /// Panels hear the document; they go before it does.
     ~StudioDocks() override;
 

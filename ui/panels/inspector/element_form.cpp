@@ -140,7 +140,8 @@ void ElementForm::addEffects(const Items& items) {
             std::vector<Json> wanted;
             for (const SelectionItem& item : items)
                 if (element(item) && now().effects.has(effect, item.part) != on) wanted.push_back(commands::setEnabled(effect, on, path(item)));
-            executeTogether(document_, wanted);
+            if (wanted.size() == 1) document_.executeSlow({wanted.front()});
+            else executeTogether(document_, wanted);
         });
         follow([button, everywhere] { button->setChecked(everywhere()); });
     }

@@ -29,22 +29,24 @@ QFrame* wall(QWidget* parent) {
 
 }  // namespace
 
-LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, TakeDeck& deck, ActionSet& actions, QWidget* parent)
+LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& outputs, TakeDeck& deck, ActionSet& actions, QWidget* parent)
     : QWidget(parent), document_(document), inputs_(inputs), deck_(deck), actions_(actions) {
     usePanelBackground(this);
     model_ = new MappingModel(document, inputs, this);
     left_ = new QWidget(this);
-    sources_ = new SourceRows(inputs, left_);
+    auto* ends = new QWidget(left_);
+    sources_ = new SourceRows(inputs, ends);
+    fill(new QVBoxLayout(ends), QMargins(0, 0, 0, 0), Spacing{0}, sources_, new ReceiverRows(outputs, ends), Stretch{});
     letGo_ = named(new QPushButton(left_), "letGo");
     letGo_->setIcon(themedIcon(QStringLiteral("let-go")));
     letGo_->setFocusPolicy(Qt::TabFocus);
     connect(letGo_, &QPushButton::clicked, actions["let-go"], &QAction::trigger);
-    auto* scroll = new QScrollArea(left_);  // of sources alone: what lets go is always seen
+    auto* scroll = new QScrollArea(left_);  // of these alone: what lets go is always seen
     scroll->setWidgetResizable(true);
     scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setWidget(sources_);
-    usePanelBackground(sources_);
+    scroll->setWidget(ends);
+    usePanelBackground(ends);
     fill(new QVBoxLayout(left_), QMargins(0, 0, 0, 0), Spacing{8}, Share{scroll, 1}, letGo_);
 
     auto* middle = new QWidget(this);

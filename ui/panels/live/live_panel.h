@@ -6,6 +6,7 @@
 #include "ui/panels/live/learn_bar.h"
 #include "ui/panels/live/mapping_form.h"
 #include "ui/panels/live/mapping_view.h"
+#include "ui/panels/live/receiver_rows.h"
 #include "ui/panels/live/source_rows.h"
 
 class QLabel;
@@ -16,12 +17,12 @@ namespace imomushi {
 
 class ActionSet;
 
-/// Live inputs: who sends, what each control drives, and what comes of it now.
+/// Live inputs: who sends, what each control drives, what comes of it now, and who is told.
 class LivePanel : public QWidget {
     Q_OBJECT
 public:
     /// `actions`: "let-go", "load-mappings", "save-mappings" and "record" do what they say; the panel shows them as buttons, or names their keys.
-    LivePanel(StudioDocument& document, InputDeck& inputs, TakeDeck& deck, ActionSet& actions, QWidget* parent = nullptr);
+    LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& outputs, TakeDeck& deck, ActionSet& actions, QWidget* parent = nullptr);
     [[nodiscard]] MappingView* view() const { return view_; }
     [[nodiscard]] MappingModel* model() const { return model_; }
     [[nodiscard]] LearnBar* learnBar() const { return learn_; }
