@@ -223,11 +223,11 @@ TEST_CASE("a framed body fills the picture and stays inside it, from every side 
 }
 
 TEST_CASE("two views of one character that is performed: each frame is deformed once, whoever looks") {
+    std::atomic<int> steps{0};
     Workbench bench;
     bench.buildChain();
     bench.good({{"do", "precompute"}});
     bench.good({{"do", "enable"}, {"effect", "bone-dynamics"}});
-    std::atomic<int> steps{0};
     bench.session.perform([&] { ++steps; });
     bench.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {1.0, 0.5, 3.0}}});
     DocumentScene one, two;
