@@ -114,7 +114,7 @@ Result<Listening> listen(const Json& list, UdpPort::From from, const Document& d
             if (key != "protocol" && key != "port" && key != "device" && key != "name") return fail("unknown-key", "A source has no \"" + key + "\".");
         const Json* called = find(given, "protocol");
         const auto protocol = called && called->is_string() ? protocolNamed(called->get_ref<const std::string&>()) : std::nullopt;
-        if (!protocol) return fail("bad-value", "\"protocol\" of a source is \"osc\", \"vmc\", \"midi\", \"pad\" or \"keys\".");
+        if (!protocol) return fail("bad-value", "\"protocol\" of a source is \"osc\", \"vmc\", \"midi\", \"pad\", \"voice\" or \"keys\".");
         RawSource source{std::string(protocolName(*protocol)), *protocol};
         if (const Json* name = find(given, "name")) {
             if (!name->is_string() || name->get_ref<const std::string&>().empty() || !InputName::fits(name->get_ref<const std::string&>())) return fail("bad-value", "\"name\" of a source must be a short text.");
@@ -128,6 +128,18 @@ Result<Listening> listen(const Json& list, UdpPort::From from, const Document& d
     }
     return made;
 }
+
+/// Nobody sees a character that is performed without a window: while one of these lives, its vertices are evaluated where effects need them.
+class Unseen {
+public:
+    explicit Unseen(LiveCharacter& live) : live_(live) { live_.leaveVerticesToOthers(true); }
+    ~Unseen() { live_.leaveVerticesToOthers(false); }
+    Unseen(const Unseen&) = delete;
+    Unseen& operator=(const Unseen&) = delete;
+
+private:
+    LiveCharacter& live_;
+};
 
 /// Other programs that are told what is shown.
 struct Sending {
@@ -173,6 +185,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
     IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback, access.document()));
     const double stepSeconds = 1.0 / access.document().settings.rate;
+    const Unseen unseen(access.live);
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, stepSeconds));
     IMOMUSHI_TRY(auto sending, sendingTo(arguments.value("send", Json::array()), access));
     std::optional<RawInputWriter> recording;
@@ -259,6 +272,7 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
 Result<Json> replay(SessionAccess& access, const Json& arguments, const Progress& progress) {
     IMOMUSHI_TRY(const auto path, pathFrom(arguments));
     IMOMUSHI_TRY(const auto inputs, RawInputs::read(path));
+    const Unseen unseen(access.live);
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, inputs.sources, inputs.seconds));
     const auto failed = [&](const Error& error) {
         performance.cancel();
@@ -289,7 +303,7 @@ void addLiveCommands(CommandRegistry& registry) {
                        "Performs the character by what devices and other programs say, at its rate (60 steps a second unless set), by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
                        "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/pose/NAME\", \"/imomushi/cycle/NAME/amount\" and \"/imomushi/cycle/NAME/speed\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
-                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\" or \"midi\",\"device\":its name or number (the first one),\"name\":...}: a game controller or a MIDI device, opened where a mapping names its source, plugged in and out at any time."},
+                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\", \"midi\" or \"voice\",\"device\":its name or number (the first one),\"name\":...}: a game controller, a MIDI device or a microphone, opened where a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
                         {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
                         {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."},

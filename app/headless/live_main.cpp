@@ -18,6 +18,7 @@ constexpr const char* kLiveUsage =
     "  --osc [NAME=]PORT   listens to OSC; --vmc [NAME=]PORT to the VMC protocol; both as often as wanted\n"
     "  --pad [NAME=]DEVICE  hears a game controller, by its name or number; any: the first one\n"
     "  --midi [NAME=]DEVICE  the same of a MIDI device, by its name\n"
+    "  --voice [NAME=]DEVICE  the same of a microphone, by its name\n"
     "                      (osc=9000, vmc=39539, pad=any and midi=any unless one is given)\n"
     "  --open              other machines may send, too\n"
     "  --seconds N         ends after this time\n"
@@ -26,7 +27,7 @@ constexpr const char* kLiveUsage =
     "  --mappings FILE     adds the mappings of a file\n"
     "  --take NAME         records a take\n"
     "  --save FILE         saves the project afterwards, as FILE.imomushi\n"
-    "The first eight are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
+    "The first nine are of live alone. Answers and exit status are those of \"imomushi run\", whose --help has the commands \"live\", \"replay\" and \"map-input\".\n";
 
 constexpr int kOscPort = 9000, kVmcPort = 39539;
 
@@ -86,7 +87,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             files.push_back(option);
             continue;
         }
-        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--midi" || option == "--seconds" || option == "--record" || option == "--send";
+        const bool ofLive = option == "--osc" || option == "--vmc" || option == "--pad" || option == "--midi" || option == "--voice" || option == "--seconds" || option == "--record" || option == "--send";
         if (!(isLive && ofLive) && option != "--mappings" && option != "--take" && option != "--save") return refuse("there is no option " + option + ".");
         if (++i == arguments.size() || arguments[i].empty()) return refuse(option + " needs a value.");
         const std::string& value = arguments[i];
@@ -94,7 +95,7 @@ int liveMain(const std::vector<std::string>& arguments, std::ostream& out, std::
             const auto source = sourceFrom(option.substr(2), value);
             if (!source) return refuse(option + " needs a port, or NAME=PORT.");
             sources.push_back(*source);
-        } else if (option == "--pad" || option == "--midi") {
+        } else if (option == "--pad" || option == "--midi" || option == "--voice") {
             sources.push_back(deviceFrom(option.substr(2), value));
         } else if (option == "--seconds") {
             double seconds = 0.0;

@@ -500,6 +500,10 @@
             <translation>VMC で体と顔を対応づける(&amp;V)</translation>
         </message>
         <message>
+            <source>Map a micropho&amp;ne</source>
+            <translation>マイクを対応づける(&amp;N)</translation>
+        </message>
+        <message>
             <source>Gizmo: a&amp;ll</source>
             <translation>ギズモ：すべて(&amp;L)</translation>
         </message>
@@ -6937,6 +6941,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <source>Keyboard</source>
             <translation>キーボード</translation>
         </message>
+        <message>
+            <source>Microphone</source>
+            <translation>マイク</translation>
+        </message>
     </context>
     <context>
         <name>imomushi::LearnBar</name>
@@ -7440,6 +7448,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>a MIDI device</source>
             <translation>MIDI 機器</translation>
+        </message>
+        <message>
+            <source>a microphone</source>
+            <translation>マイク</translation>
         </message>
         <message>
             <source>Keys of rows move the character while this window is in front. They do nothing else then.</source>

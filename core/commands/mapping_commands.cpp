@@ -48,7 +48,7 @@ Result<Json> mapInput(DocumentEdit& edit, const Json& arguments, const Progress&
 
 Result<Json> suggestMappings(DocumentEdit& edit, const Json& arguments, const Progress&) {
     const auto protocol = protocolNamed(text(arguments, "protocol"));
-    if (protocol != InputProtocol::Pad && protocol != InputProtocol::Keys && protocol != InputProtocol::Vmc) return fail("bad-value", "\"protocol\" must be \"pad\", \"keys\" or \"vmc\": senders of others have no names in common.");
+    if (protocol != InputProtocol::Pad && protocol != InputProtocol::Keys && protocol != InputProtocol::Vmc && protocol != InputProtocol::Voice) return fail("bad-value", "\"protocol\" must be \"pad\", \"keys\", \"voice\" or \"vmc\": senders of others have no names in common.");
     const std::string source = arguments.contains("source") ? text(arguments, "source") : std::string(protocolName(*protocol));
     if (source.empty() || !InputName::fits(source)) return fail("bad-value", "\"source\" must be a short text.");
     IMOMUSHI_TRY(const auto plan, edit.planned());
@@ -123,8 +123,8 @@ void addMappingCommands(CommandRegistry& registry) {
     registry.addChange("map-input",
                        "Lets a number of live input drive a number of the character, or changes how it does: a row of the table of mappings. Of rows with one target the first one wins that is heard. "
                        "A line is known by source, channel, component and target; of one that is there, keys left out stay as they are.",
-                       {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", \"pad\", \"midi\", \"keys\", or another name."},
-                        {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad, \"space\" of the keyboard."},
+                       {{"source", Type::Text, true, "Who sends it, as \"live\" calls it: \"osc\", \"vmc\", \"pad\", \"midi\", \"keys\", \"voice\", or another name."},
+                        {"channel", Type::Text, true, "What it is called there: an OSC address, \"blend/Joy\" of VMC, \"cc/1/7\" of MIDI, \"left-x\" of a pad, \"space\" of the keyboard, \"level\" or \"aa\" of a microphone."},
                         {"component", Type::Integer, false, "Which number of the channel, from 0 (0)."},
                         {"target", Type::Text, true, "What it drives: \"handle/NAME/x\" (y, z: metres from rest; turn-x, turn-y, turn-z: radians), \"bone/NAME/end/x\" (or start; y, z; roll), \"bone/NAME/turn-x\" (y, z: radians from rest about its parent, by forward kinematics), \"morph/CHARACTER/NAME\" (its weight), \"pose/NAME/weight\" (how much of a kept pose, 0 to 1), \"cycle/NAME/amount\" (how much of a cycle, 0 to 1), \"cycle/NAME/speed\" (1: as it was made, below 0 backwards), \"effect/NAME/PROPERTY\" (in its unit; of a vector \"effect/NAME/PROPERTY/x\", y, z). Or what it lets happen when it passes the middle of its range: \"take/NAME/play\", \"take/NAME/stop\" (in the studio), \"trigger/let-go\" (everything that inputs move glides to rest)."},
                         {"in", Type::Array, false, "The range of the control [low, high] ([0,1]); values beyond are at its ends. One that has 0 within has its middle there."},
@@ -146,9 +146,9 @@ void addMappingCommands(CommandRegistry& registry) {
     registry.addChange("unmap-input", "Removes mappings: those that all the given keys name; all without keys.",
                        {{"source", Type::Text, false, "Of this source alone."}, {"channel", Type::Text, false, "Of this channel alone."}, {"component", Type::Integer, false, "Of this number alone."}, {"target", Type::Text, false, "Of this target alone."}}, unmapInput);
     registry.addChange("suggest-mappings",
-                       "Maps a game controller, the keyboard or a body and face by VMC to whatever the character has: sticks move the limbs that reach farthest to both sides, and the highest one; buttons show kept poses or morph targets; "
-                       "bones turn by their roles of a human; without roles the head of who performs turns the highest limb, the arms turn those of both sides; values of a face move morph targets. All rows of this source that were there go. \"rows\": as map-input takes them.",
-                       {{"protocol", Type::Text, true, "\"pad\", \"keys\" or \"vmc\"."}, {"source", Type::Text, false, "Who sends it (the protocol)."}}, suggestMappings);
+                       "Maps a game controller, the keyboard, a microphone or a body and face by VMC to whatever the character has: sticks move the limbs that reach farthest to both sides, and the highest one; buttons show kept poses or morph targets; "
+                       "bones turn by their roles of a human; without roles the head of who performs turns the highest limb, the arms turn those of both sides; values of a face and vowels of a voice move morph targets. All rows of this source that were there go. \"rows\": as map-input takes them.",
+                       {{"protocol", Type::Text, true, "\"pad\", \"keys\", \"voice\" or \"vmc\"."}, {"source", Type::Text, false, "Who sends it (the protocol)."}}, suggestMappings);
     registry.addAction("save-mappings", "Writes the table of mappings into a file, for other projects.", {{"path", Type::Text, true, "The file, JSON."}}, saveMappings);
     registry.addChange("load-mappings", "Adds the mappings of a file; lines that are there become those of the file. \"missing\": targets that are not there, whose rows wait for them.",
                        {{"path", Type::Text, true, "A file that save-mappings made."}}, loadMappings);

@@ -14,5 +14,6 @@ std::unique_ptr<InputDecoder> makeVmcDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makeMidiDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makePadDecoder(std::string_view source);
 std::unique_ptr<InputDecoder> makeKeyDecoder(std::string_view source);
+std::unique_ptr<InputDecoder> makeVoiceDecoder(std::string_view source);
 
 }  // namespace imomushi

@@ -5,6 +5,7 @@
 #include "core/input/key_port.h"
 #include "core/input/midi_port.h"
 #include "core/input/pad_port.h"
+#include "core/input/voice_port.h"
 
 namespace imomushi {
 
@@ -15,6 +16,8 @@ std::vector<PluggedDevice> pluggedDevices(InputProtocol protocol) {
     if (protocol == InputProtocol::Midi)
         if (const auto midi = MidiSystem::ofThisMachine())
             for (const std::string& name : (*midi)->names()) devices.push_back({plainMidiName(name), plainMidiName(name)});
+    if (protocol == InputProtocol::Voice)
+        for (const std::string& name : pluggedMicrophones()) devices.push_back({name, name});
     return devices;
 }
 
@@ -28,6 +31,10 @@ Result<std::unique_ptr<InputPort>> openDevice(InputProtocol protocol, std::strin
     if (protocol == InputProtocol::Keys) {
         IMOMUSHI_TRY(auto keys, KeyPort::open());
         return std::unique_ptr<InputPort>(std::move(keys));
+    }
+    if (protocol == InputProtocol::Voice) {
+        IMOMUSHI_TRY(auto voice, VoicePort::open(wanted));
+        return std::unique_ptr<InputPort>(std::move(voice));
     }
     IMOMUSHI_TRY(auto pad, PadPort::open(wanted));
     return std::unique_ptr<InputPort>(std::move(pad));

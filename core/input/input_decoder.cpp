@@ -8,7 +8,7 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::array<std::string_view, kInputProtocols> kProtocols = {"osc", "vmc", "midi", "pad", "keys"};
+constexpr std::array<std::string_view, kInputProtocols> kProtocols = {"osc", "vmc", "midi", "pad", "keys", "voice"};
 
 }  // namespace
 
@@ -63,6 +63,7 @@ std::unique_ptr<InputDecoder> makeInputDecoder(InputProtocol protocol, std::stri
         case InputProtocol::Midi: return makeMidiDecoder(source);
         case InputProtocol::Pad: return makePadDecoder(source);
         case InputProtocol::Keys: return makeKeyDecoder(source);
+        case InputProtocol::Voice: return makeVoiceDecoder(source);
     }
     return nullptr;
 }

@@ -13,11 +13,11 @@
 namespace imomushi {
 
 /// What the bytes of a source are.
-enum class InputProtocol : std::uint8_t { Osc, Vmc, Midi, Pad, Keys };
-inline constexpr std::size_t kInputProtocols = 5;
+enum class InputProtocol : std::uint8_t { Osc, Vmc, Midi, Pad, Keys, Voice };
+inline constexpr std::size_t kInputProtocols = 6;
 /// It is spoken by devices, not by programs that send to a port.
-inline bool isOfDevices(InputProtocol protocol) { return protocol == InputProtocol::Midi || protocol == InputProtocol::Pad || protocol == InputProtocol::Keys; }
-std::string_view protocolName(InputProtocol protocol);                      ///< "osc", "vmc", "midi", "pad", "keys"
+inline bool isOfDevices(InputProtocol protocol) { return protocol != InputProtocol::Osc && protocol != InputProtocol::Vmc; }
+std::string_view protocolName(InputProtocol protocol);                      ///< "osc", "vmc", "midi", "pad", "keys", "voice"
 std::optional<InputProtocol> protocolNamed(std::string_view name);
 
 /// Turns the packets of one source into values. It trusts nothing: a packet that is broken anywhere changes nothing and is counted.
@@ -57,6 +57,7 @@ private:
 /// * "midi": whole or divided messages with running status, see midi_decoder.cpp.
 /// * "pad": what this program notes of game controllers, see pad_decoder.cpp.
 /// * "keys": the keyboard, see key_decoder.cpp.
+/// * "voice": a microphone, see voice_decoder.cpp.
 std::unique_ptr<InputDecoder> makeInputDecoder(InputProtocol protocol, std::string_view source);
 
 }  // namespace imomushi

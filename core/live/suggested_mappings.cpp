@@ -17,6 +17,7 @@
 #include "core/document/avatar.h"
 #include "core/document/kept_pose.h"
 #include "core/document/rig_follower.h"
+#include "core/input/voice_analyser.h"
 #include "core/mesh/avatar.h"
 #include "core/mesh/bounds.h"
 #include "core/mesh/humanoid.h"
@@ -246,6 +247,39 @@ void suggestFace(Suggestion& made, const CharacterSource& character) {
     }
 }
 
+// ---- a microphone
+
+/// Shapes of the mouth show expressions and morph targets of their names. Where there are none, loudness opens a mouth that has another name, or else lifts the highest limb: it speaks with that.
+void suggestVoice(Suggestion& made, const Document& document, const Limbs& limbs) {
+    constexpr double kMouthHertz = 6.0, kNod = 0.25;  // of usualReach()
+    constexpr double kLoud = 0.8;                     // speech is seldom as loud as it gets
+    std::optional<std::string> mouth;
+    bool shaped = false;
+    for (const auto& [id, character] : document.characters) {
+        const auto expressions = character->rig ? avatarFacts(*character->rig).expressions : std::vector<AvatarExpression>();
+        for (const std::string_view vowel : kVoiceChannels) {
+            const std::string of = "morph/" + character->name + "/";
+            const auto show = [&](const std::string& target, double amount) {
+                made.add(vowel, 0, of + target, 0.0, 0.0, amount, kMouthHertz, kLoud);
+                shaped = true;
+            };
+            const auto known = std::ranges::find(expressions, vowel, &AvatarExpression::name);
+            if (known != expressions.end())
+                for (const auto& [target, amount] : known->morphs) show(target, amount);
+            else if (character->model->morphIndex(std::string(vowel)) >= 0) show(std::string(vowel), 1.0);
+        }
+        for (const MorphTarget& morph : character->model->morphs) {
+            std::string name = morph.name;
+            std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            if (!mouth && (name.find("jaw") != std::string::npos || name.find("mouth") != std::string::npos || name.find("talk") != std::string::npos)) mouth = "morph/" + character->name + "/" + morph.name;
+        }
+    }
+    if (shaped) return;
+    if (mouth) return made.add("level", 0, *mouth, 0.0, 0.0, 1.0, kMouthHertz, kLoud);
+    const auto highest = std::ranges::max_element(limbs.all, {}, [](const Limb& limb) { return limb.at.y(); });
+    if (highest != limbs.all.end()) made.add("level", 0, highest->target + "/y", 0.0, 0.0, kNod * usualReach(document), kMouthHertz, kLoud);
+}
+
 }  // namespace
 
 std::map<std::string, std::string> bonesByRole(const Document& document, const CharacterPlan& plan) {
@@ -314,6 +348,7 @@ InputMappings suggestedMappings(const Document& document, const CharacterPlan& p
     Suggestion made(document, source);
     const Limbs limbs = limbsOf(document, plan);
     if (protocol == InputProtocol::Pad || protocol == InputProtocol::Keys) suggestControls(made, document, limbs, protocol);
+    if (protocol == InputProtocol::Voice) suggestVoice(made, document, limbs);
     if (protocol == InputProtocol::Vmc) {
         suggestBody(made, document, plan, limbs);
         for (const auto& [id, character] : document.characters) suggestFace(made, *character);

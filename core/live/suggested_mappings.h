@@ -32,6 +32,8 @@ std::string olderExpressionName(std::string_view name);
 /// VMC: bones turn by their roles of a human, as the file says them or names tell them; without roles, the head turns the highest limb, and the arms turn the limbs that reach farthest to their sides.
 /// Values of a face move expressions of an avatar, or morph targets of the same name.
 ///
+/// A microphone: shapes of the mouth show expressions of an avatar, or morph targets of the same name ("aa"); else loudness opens what is called a mouth or a jaw, or lifts the highest limb.
+///
 /// OSC and MIDI: none, as senders have no names in common. `source`: who they are for.
 InputMappings suggestedMappings(const Document& document, const CharacterPlan& plan, InputProtocol protocol, const std::string& source);
 

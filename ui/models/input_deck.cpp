@@ -35,6 +35,9 @@ bool switchesEffects(const Effects& before, const Effects& after) {
     return false;
 }
 
+/// Nobody is overheard who did not ask for it.
+bool isOnAtFirst(InputProtocol protocol) { return isOfDevices(protocol) && protocol != InputProtocol::Voice; }
+
 }  // namespace
 
 InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) : QObject(parent), document_(document), deck_(deck) {
@@ -72,17 +75,17 @@ void InputDeck::load() {
         const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; });
         if (!protocol || source.name.empty() || !InputName::fits(source.name) || known || source.port < 0 || source.port > kLargestPort) continue;
         source.protocol = *protocol;
-        source.on = isOfDevices(*protocol) && settings.value(QStringLiteral("on"), true).toBool();
+        source.on = isOfDevices(*protocol) && settings.value(QStringLiteral("on"), isOnAtFirst(*protocol)).toBool();
         sources_.push_back(std::move(source));
     }
     settings.endArray();
-    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0), std::pair(InputProtocol::Midi, 0), std::pair(InputProtocol::Keys, 0)}) {
+    for (const auto& [protocol, port] : {std::pair(InputProtocol::Osc, kOscPort), std::pair(InputProtocol::Vmc, kVmcPort), std::pair(InputProtocol::Pad, 0), std::pair(InputProtocol::Midi, 0), std::pair(InputProtocol::Keys, 0), std::pair(InputProtocol::Voice, 0)}) {
         Source source;
         source.name = protocolName(protocol);
         if (std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) { return s.name == source.name; })) continue;
         source.protocol = protocol;
         source.port = port;
-        source.on = isOfDevices(protocol);
+        source.on = isOnAtFirst(protocol);
         sources_.push_back(std::move(source));
     }
     packets_.resize(sources_.size());
@@ -135,6 +138,7 @@ void InputDeck::setOn(std::size_t index, bool on) {
     source.on = on;
     if (isOfDevices(source.protocol)) {
         keep();
+        if (on && source.protocol == InputProtocol::Voice) lookForDevices();
         followDevices();
     } else {
         on ? open(source) : close(source);
@@ -180,7 +184,10 @@ void InputDeck::lookForDevices() {
         connect(&lookSoon_, &QTimer::timeout, this, &InputDeck::lookForDevices);
     }
     auto seen = devices_;
-    for (const InputProtocol protocol : {InputProtocol::Pad, InputProtocol::Midi}) seen[std::size_t(protocol)] = pluggedDevices(protocol);
+    // Who does not want to be heard does not want to wait for the sound of the system either.
+    const bool voices = std::ranges::any_of(sources_, [](const Source& s) { return s.protocol == InputProtocol::Voice && s.on; });
+    for (const InputProtocol protocol : {InputProtocol::Pad, InputProtocol::Midi, InputProtocol::Voice})
+        if (protocol != InputProtocol::Voice || voices) seen[std::size_t(protocol)] = pluggedDevices(protocol);
     if (seen == devices_) return;
     devices_ = std::move(seen);
     Q_EMIT changed();

@@ -133,6 +133,7 @@ QString protocolText(InputProtocol protocol) {
         case InputProtocol::Midi: return QStringLiteral("MIDI");
         case InputProtocol::Pad: return MappingTexts::tr("Game controller");
         case InputProtocol::Keys: return MappingTexts::tr("Keyboard");
+        case InputProtocol::Voice: return MappingTexts::tr("Microphone");
     }
     return {};
 }

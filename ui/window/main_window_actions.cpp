@@ -262,7 +262,7 @@ void MainWindow::connectLiveActions() {
         StudioDocks::raise(live());
     });
     on("let-go", [this] { inputs_->letGo(); });
-    for (const auto& [action, protocol] : {std::pair("suggest-keys", InputProtocol::Keys), std::pair("suggest-pad", InputProtocol::Pad), std::pair("suggest-vmc", InputProtocol::Vmc)})
+    for (const auto& [action, protocol] : {std::pair("suggest-keys", InputProtocol::Keys), std::pair("suggest-pad", InputProtocol::Pad), std::pair("suggest-vmc", InputProtocol::Vmc), std::pair("suggest-voice", InputProtocol::Voice)})
         onSettled(action, [this, protocol = protocol] {
             const auto answer = document_.execute(commands::suggestMappings(protocol, std::string(protocolName(protocol))));
             if (!answer) return;

@@ -58,7 +58,7 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*addMenu(character, QT_TR_NOOP("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle", "", "edit-face"});
     fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
+    fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "suggest-voice", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
     fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "isolate", "lock", "show-all", ""});

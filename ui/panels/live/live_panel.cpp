@@ -72,7 +72,7 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& ou
     suggest_ = named(button("suggest"), "suggest");
     suggest_->setPopupMode(QToolButton::InstantPopup);
     auto* suggestions = new QMenu(suggest_);
-    for (const char* action : {"suggest-keys", "suggest-pad", "suggest-vmc"}) suggestions->addAction(actions[action]);
+    for (const char* action : {"suggest-keys", "suggest-pad", "suggest-vmc", "suggest-voice"}) suggestions->addAction(actions[action]);
     suggest_->setMenu(suggestions);
     auto *load = button(nullptr), *save = button(nullptr);
     load->setDefaultAction(actions["load-mappings"]);

@@ -30,6 +30,7 @@ QString countText(std::uint64_t count) { return QLocale().toString(qulonglong(co
 /// What is wanted of a device, for people.
 QString wantedText(const Source& source) {
     if (!source.device.empty()) return QString::fromStdString(deviceName(source.protocol, source.device));
+    if (source.protocol == InputProtocol::Voice) return SourceRows::tr("a microphone");
     return source.protocol == InputProtocol::Midi ? SourceRows::tr("a MIDI device") : SourceRows::tr("a game controller");
 }
 
@@ -76,7 +77,7 @@ SourceRows::SourceRows(InputDeck& inputs, QWidget* parent) : QWidget(parent), in
     add_->setProperty("flat", true);
     connect(add_, &QPushButton::clicked, this, [this] {
         QMenu menu(this);
-        for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc, InputProtocol::Pad, InputProtocol::Midi}) connect(menu.addAction(protocolText(protocol)), &QAction::triggered, this, [this, protocol] { inputs_.add(protocol); });
+        for (const InputProtocol protocol : {InputProtocol::Osc, InputProtocol::Vmc, InputProtocol::Pad, InputProtocol::Midi, InputProtocol::Voice}) connect(menu.addAction(protocolText(protocol)), &QAction::triggered, this, [this, protocol] { inputs_.add(protocol); });
         menu.exec(add_->mapToGlobal(QPoint(0, add_->height())));
     });
     fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), Spacing{px(6)}, list_, Share{add_, 0, Qt::AlignLeft}, Stretch{});

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#define SDL_MAIN_HANDLED  // this program has a main() of its own
+#include "core/input/voice_port.h"
+
+#include <SDL.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "core/input/voice_packet.h"
+
+namespace imomushi {
+
+namespace {
+
+constexpr auto kBetweenLooks = std::chrono::seconds(1);
+constexpr std::uint16_t kBuffer = 256;  // samples that SDL brings at once
+/// What waits because nobody took it is old: a voice is heard now or not at all.
+constexpr std::uint32_t kMostWaiting = sizeof(float) * VoiceAnalyser::kRate / 4;
+
+}  // namespace
+
+/// SDL's sound, which this program has once, and which any of its threads may ask.
+class VoicePort::Sound {
+public:
+    static Result<std::shared_ptr<Sound>> get() {
+        static std::weak_ptr<Sound> known;
+        const std::lock_guard lock(life());
+        if (auto sound = known.lock()) return sound;
+        SDL_SetMainReady();
+        SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+        if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0) return fail("no-devices", std::string("Microphones cannot be had on this machine (") + SDL_GetError() + ").");
+        auto sound = std::shared_ptr<Sound>(new Sound);
+        known = sound;
+        return sound;
+    }
+    ~Sound() {
+        const std::lock_guard lock(life());
+        SDL_QuitSubSystem(SDL_INIT_AUDIO);
+    }
+    Sound(const Sound&) = delete;
+    Sound& operator=(const Sound&) = delete;
+
+    [[nodiscard]] std::vector<std::string> names() const {
+        std::vector<std::string> names;
+        for (int i = 0; i < SDL_GetNumAudioDevices(1); ++i)
+            if (const char* name = SDL_GetAudioDeviceName(i, 1)) names.emplace_back(name);
+        return names;
+    }
+
+private:
+    Sound() = default;
+    /// SDL begins and ends on one thread at a time.
+    static std::mutex& life() {
+        static std::mutex mutex;
+        return mutex;
+    }
+};
+
+Result<std::unique_ptr<VoicePort>> VoicePort::open(std::string_view wanted) {
+    auto sound = Sound::get();
+    if (!sound) return tl::unexpected(sound.error());
+    return std::unique_ptr<VoicePort>(new VoicePort(std::move(*sound), wanted));
+}
+
+VoicePort::VoicePort(std::shared_ptr<Sound> sound, std::string_view wanted) : sound_(std::move(sound)), wanted_(wanted) {}
+
+VoicePort::~VoicePort() {
+    if (device_ != 0) SDL_CloseAudioDevice(device_);
+}
+
+void VoicePort::look() {
+    const Clock::time_point now = Clock::now();
+    if (looked_ != Clock::time_point{} && now - looked_ < kBetweenLooks) return;
+    looked_ = now;
+    const std::vector<std::string> names = sound_->names();
+    const std::string name = wanted_.empty() && !names.empty() ? names.front() : wanted_;
+    if (std::ranges::find(names, name) == names.end()) return;
+    SDL_AudioSpec asked{};
+    asked.freq = VoiceAnalyser::kRate;
+    asked.format = AUDIO_F32SYS;
+    asked.channels = 1;
+    asked.samples = kBuffer;
+    SDL_AudioSpec got{};
+    // The system's own choice is its own name: what the artist made the usual microphone.
+    device_ = SDL_OpenAudioDevice(wanted_.empty() ? nullptr : name.c_str(), 1, &asked, &got, 0);
+    if (device_ == 0) return;
+    name_ = name;
+    analyser_ = VoiceAnalyser();
+    SDL_PauseAudioDevice(device_, 0);
+}
+
+std::optional<std::size_t> VoicePort::take(std::span<std::byte> room) {
+    if (room.size() < VoicePacket::kBytes) return std::nullopt;
+    const auto packet = [&](unsigned kind, const VoiceSound& heard) {
+        std::ranges::copy(VoicePacket::of(kind, heard), room.begin());
+        return VoicePacket::kBytes;
+    };
+    if (device_ == 0) look();
+    if (device_ == 0) return std::nullopt;
+    if (SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED) {
+        SDL_CloseAudioDevice(std::exchange(device_, 0));
+        name_.clear();
+        return packet(VoicePacket::kGone, {});
+    }
+    const std::uint32_t waiting = SDL_GetQueuedAudioSize(device_);
+    if (waiting > kMostWaiting) SDL_ClearQueuedAudio(device_);
+    if (waiting > kMostWaiting || waiting < sizeof samples_) return std::nullopt;
+    if (SDL_DequeueAudio(device_, samples_.data(), sizeof samples_) < sizeof samples_) return std::nullopt;
+    return packet(VoicePacket::kHeard, analyser_.hear(samples_));
+}
+
+std::vector<std::string> pluggedMicrophones() {
+    const auto sound = VoicePort::Sound::get();
+    return sound ? (*sound)->names() : std::vector<std::string>();
+}
+
+}  // namespace imomushi
