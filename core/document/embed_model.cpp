@@ -311,8 +311,9 @@ const EmbeddedModel& EmbeddedModels::of(const Document& document, const Characte
     const auto fits = [&](const std::shared_ptr<const Known>& k) {
         return k->model == now.model && k->body == now.body && k->attachments == now.attachments && k->origins == now.origins && k->meshes == now.meshes && k->embedded.elements == ids && k->embedded.places == places;
     };
-    if (const auto found = std::find_if(all.begin(), all.end(), fits); found != all.end()) {
-        std::rotate(found, found + 1, all.end());
+    // Of two that are alike the latest: characters that were built lately have it.
+    if (const auto found = std::find_if(all.rbegin(), all.rend(), fits); found != all.rend()) {
+        std::rotate(found.base() - 1, found.base(), all.end());
         return all.back()->embedded;
     }
     now.embedded = embedModel(document, character);
