@@ -1535,6 +1535,10 @@
             <translation>サイクルが壊れています。</translation>
         </message>
         <message>
+            <source>The character has nothing that could move by itself. Give it bones or handles first.</source>
+            <translation>キャラクターには、ひとりでに動かせるものがありません。先にボーンかハンドルを付けてください。</translation>
+        </message>
+        <message>
             <source>Nothing of the selection can be copied.</source>
             <translation>選択したものはコピーできません。</translation>
         </message>
@@ -2093,6 +2097,10 @@
         <message>
             <source>Make cycle</source>
             <translation>サイクルを作成</translation>
+        </message>
+        <message>
+            <source>Suggest cycles</source>
+            <translation>サイクルを提案</translation>
         </message>
         <message>
             <source>Rename cycle</source>
