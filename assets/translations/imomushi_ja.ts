@@ -1547,6 +1547,10 @@
             <translation>サイクルが壊れています。</translation>
         </message>
         <message>
+            <source>The character has nothing that could move by itself. Give it bones or handles first.</source>
+            <translation>キャラクターには、ひとりでに動かせるものがありません。先にボーンかハンドルを付けてください。</translation>
+        </message>
+        <message>
             <source>Nothing of the selection can be copied.</source>
             <translation>選択したものはコピーできません。</translation>
         </message>
@@ -2105,6 +2109,10 @@
         <message>
             <source>Make cycle</source>
             <translation>サイクルを作成</translation>
+        </message>
+        <message>
+            <source>Suggest cycles</source>
+            <translation>サイクルを提案</translation>
         </message>
         <message>
             <source>Rename cycle</source>
@@ -7460,6 +7468,76 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         <message>
             <source>Ready. Keys are heard while you learn, and where rows name them.</source>
             <translation>準備ができています。学習の間と、行が挙げているキーを聞きます。</translation>
+        </message>
+    </context>
+<context>
+        <name>imomushi::CyclesPanel</name>
+        <message>
+            <source>Make a cycle of the chosen poses, in their order</source>
+            <translation>選んだポーズから、その順でサイクルを作ります</translation>
+        </message>
+        <message>
+            <source>Choose two poses or more (Ctrl+click) to make a cycle of them</source>
+            <translation>ポーズを 2 つ以上選ぶと（Ctrl＋クリック）、サイクルを作れます</translation>
+        </message>
+        <message>
+            <source>%1 s</source>
+            <comment>how long a round takes</comment>
+            <translation>%1 秒</translation>
+        </message>
+        <message>
+            <source>How long one round takes. Double click to change it.</source>
+            <translation>一巡にかかる秒数。ダブルクリックで変えられます。</translation>
+        </message>
+        <message>
+            <source>%1 %</source>
+            <comment>how much of a cycle</comment>
+            <translation>%1 %</translation>
+        </message>
+        <message>
+            <source>%1×</source>
+            <comment>how fast a cycle runs</comment>
+            <translation>%1×</translation>
+        </message>
+        <message>
+            <source>Cycles</source>
+            <translation>サイクル</translation>
+        </message>
+        <message>
+            <source>No cycles yet: movements that repeat through kept poses. Suggest some, or choose poses and make one of them.</source>
+            <translation>サイクルはまだありません。サイクルは、保存したポーズを巡って繰り返す動きです。提案させるか、ポーズを選んで作ってください。</translation>
+        </message>
+        <message>
+            <source>Suggest cycles and their poses from the skeleton: crawl, sway, breathe</source>
+            <translation>骨格から、サイクルとそのポーズを提案します：這う、揺れる、息をする</translation>
+        </message>
+        <message>
+            <source>Remove the cycle</source>
+            <translation>サイクルを削除</translation>
+        </message>
+        <message>
+            <source>Amount</source>
+            <translation>量</translation>
+        </message>
+        <message>
+            <source>Speed</source>
+            <translation>速さ</translation>
+        </message>
+        <message>
+            <source>Amount of the cycle</source>
+            <translation>サイクルの量</translation>
+        </message>
+        <message>
+            <source>Speed of the cycle</source>
+            <translation>サイクルの速さ</translation>
+        </message>
+        <message>
+            <source>How much there is of the cycle: drag it, and the character moves. Double click: none</source>
+            <translation>サイクルの量。ドラッグするとキャラクターが動きます。ダブルクリックで 0 に</translation>
+        </message>
+        <message>
+            <source>How fast it runs, to the left backwards. Double click: as it was made</source>
+            <translation>速さ。左へ引くと逆向き。ダブルクリックで作ったときの速さに</translation>
         </message>
     </context>
 <context>

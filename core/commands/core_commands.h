@@ -32,7 +32,7 @@ void addBoneCommands(CommandRegistry& registry);      // add-bone, edit-bone, re
 void addPropertyCommands(CommandRegistry& registry);  // set, rename
 void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addKeptPoseCommands(CommandRegistry& registry);  // keep-pose, apply-pose, mirror-pose, rest-bones, rename-pose, remove-pose
-void addCycleCommands(CommandRegistry& registry);     // add-cycle, rename-cycle, remove-cycle
+void addCycleCommands(CommandRegistry& registry);     // add-cycle, suggest-cycles, rename-cycle, remove-cycle
 void addMappingCommands(CommandRegistry& registry);   // map-input, unmap-input, suggest-mappings, save-mappings, load-mappings
 void addPoseCheckCommands(CommandRegistry& registry); // check-pose
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element

@@ -9,6 +9,7 @@
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
+#include "core/live/suggested_cycles.h"
 #include "core/session/document_edit.h"
 
 namespace imomushi {
@@ -95,6 +96,31 @@ Result<Json> removeCycle(DocumentEdit& edit, const Json& arguments, const Progre
     return Json{{"removed_poses", std::move(removed)}};
 }
 
+Result<Json> suggestCycles(DocumentEdit& edit, const Json&, const Progress&) {
+    IMOMUSHI_TRY(const auto plan, edit.planned());
+    std::vector<SuggestedCycle> suggested = suggestedCycles(edit.document, *plan);
+    if (suggested.empty()) return fail("nothing-to-cycle", "The character has nothing that could move by itself: give it bones or handles first.");
+    Cycles cycles = cyclesOf(edit.document);
+    KeptPoses poses = keptPoses(edit.document);
+    const auto put = [](auto& all, auto&& made) {
+        const auto same = std::ranges::find_if(all, [&](const auto& known) { return known.name == made.name; });
+        same == all.end() ? void(all.push_back(std::move(made))) : void(*same = std::move(made));
+    };
+    Json answer{{"cycles", Json::array()}, {"poses", Json::array()}};
+    for (SuggestedCycle& made : suggested) {
+        answer["cycles"].push_back(made.cycle.name);
+        for (KeptPose& pose : made.poses) {
+            answer["poses"].push_back(pose.name);
+            put(poses, std::move(pose));
+        }
+        put(cycles, std::move(made.cycle));
+    }
+    if (cycles.size() > Cycle::kMost) return fail("too-many-cycles", "There are too many cycles already: remove some.");
+    setKeptPoses(edit.document, std::move(poses));
+    setCycles(edit.document, std::move(cycles));
+    return answer;
+}
+
 }  // namespace
 
 void addCycleCommands(CommandRegistry& registry) {
@@ -104,6 +130,7 @@ void addCycleCommands(CommandRegistry& registry) {
                         {"poses", Type::Array, false, "Names of 2 to 64 kept poses, in their order; one may come several times. Three meet a wave exactly."},
                         {"seconds", Type::Number, false, "How long one round takes at speed 1, 0.05 to 3600 (2)."}},
                        addCycle);
+    registry.addChange("suggest-cycles", "Makes cycles and their kept poses from the skeleton: \"crawl\" (chains of three bones and more that lie near the ground rise and fall in waves from root to tip), \"sway\" (limbs and tails swing to the side, legs stand) and \"breathe\" (the body gets a little longer; without bones, handles rise). Cycles and poses of these names are replaced.", {}, suggestCycles);
     registry.addChange("rename-cycle", "Renames a cycle; mappings follow.", {{"cycle", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no cycle has."}}, renameCycle);
     registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false)."}}, removeCycle);
 }

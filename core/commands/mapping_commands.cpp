@@ -146,7 +146,7 @@ void addMappingCommands(CommandRegistry& registry) {
     registry.addChange("unmap-input", "Removes mappings: those that all the given keys name; all without keys.",
                        {{"source", Type::Text, false, "Of this source alone."}, {"channel", Type::Text, false, "Of this channel alone."}, {"component", Type::Integer, false, "Of this number alone."}, {"target", Type::Text, false, "Of this target alone."}}, unmapInput);
     registry.addChange("suggest-mappings",
-                       "Maps a game controller, the keyboard, a microphone or a body and face by VMC to whatever the character has: sticks move the limbs that reach farthest to both sides, and the highest one; buttons show kept poses or morph targets; "
+                       "Maps a game controller, the keyboard, a microphone or a body and face by VMC to whatever the character has: sticks move the limbs that reach farthest to both sides, and the highest one; triggers of a controller have how much there is of the first cycle and how fast it runs, where there are cycles; buttons show kept poses or morph targets; "
                        "bones turn by their roles of a human; without roles the head of who performs turns the highest limb, the arms turn those of both sides; values of a face and vowels of a voice move morph targets. All rows of this source that were there go. \"rows\": as map-input takes them.",
                        {{"protocol", Type::Text, true, "\"pad\", \"keys\", \"voice\" or \"vmc\"."}, {"source", Type::Text, false, "Who sends it (the protocol)."}}, suggestMappings);
     registry.addAction("save-mappings", "Writes the table of mappings into a file, for other projects.", {{"path", Type::Text, true, "The file, JSON."}}, saveMappings);

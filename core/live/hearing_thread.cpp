@@ -45,7 +45,7 @@ void HearingThread::close(const std::string& source) {
     stop();
     listener_.close(static_cast<std::size_t>(found - sources_.begin()));
     sources_.erase(found);
-    std::erase_if(last_, [&](const auto& known) { return known.second.source.text() == source; });
+    forget(source);
     run();
 }
 
@@ -67,6 +67,17 @@ void HearingThread::feed(std::shared_ptr<InputFeed> feed, std::vector<std::strin
     names_ = std::move(names);
     if (!feed_ || held_) return;
     for (const auto& [name, value] : last_) (void)feed_->give(std::span(&value, 1));
+}
+
+void HearingThread::say(const InputValue& value) {
+    const std::lock_guard lock(mutex_);
+    remember(value);
+    if (feed_ && !held_) (void)feed_->give(std::span(&value, 1));
+}
+
+void HearingThread::forget(const std::string& source) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(last_, [&](const auto& known) { return known.second.source.text() == source; });
 }
 
 void HearingThread::hold(bool held) {
@@ -124,6 +135,12 @@ void HearingThread::serve() {
     }
 }
 
+void HearingThread::remember(const InputValue& value) {
+    const std::uint64_t name = hashOfNames(value.source.text(), value.channel.text());
+    if (value.gone) last_.erase(name);
+    else if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
+}
+
 bool HearingThread::admits(Source& source, std::uint64_t sender, std::int64_t nanoseconds) {
     const auto end = source.senders.begin() + static_cast<std::ptrdiff_t>(source.known);
     auto place = std::find_if(source.senders.begin(), end, [&](const Sender& s) { return s.id == sender; });
@@ -150,11 +167,7 @@ void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<
         values_.push_back(value);
     });
     if (asked) listener_.answerList(index, [this] { return names_; });
-    for (const InputValue& value : values_) {
-        const std::uint64_t name = hashOfNames(value.source.text(), value.channel.text());
-        if (value.gone) last_.erase(name);
-        else if (last_.size() < kMostRemembered || last_.contains(name)) last_.insert_or_assign(name, value);
-    }
+    for (const InputValue& value : values_) remember(value);
     for (const InputValue& value : values_)
         for (const std::size_t row : triggers_.take(value)) happened_(row);
     if (learner_)

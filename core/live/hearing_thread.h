@@ -54,6 +54,10 @@ public:
 
     /// Sets the feed; null: none. The last value of each channel is given to it at once, as a fader that stands still sends nothing. `names`: the answer to InputListener::kListAddress.
     void feed(std::shared_ptr<InputFeed> feed, std::vector<std::string> names);
+    /// What the window itself says: given to the feed like what is heard, and remembered as the last value of its channel. No port is needed.
+    void say(const InputValue& value);
+    /// What a source said is not remembered any more.
+    void forget(const std::string& source);
     /// Values are counted, and learned from, but not given to the feed.
     void hold(bool held);
     /// From now on the control that moves is looked for; false: no more.
@@ -81,6 +85,7 @@ private:
     void run();
     void stop();
     void serve();
+    void remember(const InputValue& value);
     void take(std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes);
     static bool admits(Source& source, std::uint64_t sender, std::int64_t nanoseconds);
     [[nodiscard]] std::int64_t now() const;

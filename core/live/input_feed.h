@@ -26,7 +26,7 @@ public:
     static constexpr std::size_t kHolds = 1024;
     explicit InputFeed(InputDriver driver);
 
-    // ---- the hearing thread
+    // ---- the hearing thread, and whoever it lets speak
     /// The values of a packet, which one step takes whole. False: there is no room, as nobody steps; the packet is lost.
     bool give(std::span<const InputValue> packet);
     /// The oldest step that was not asked for yet: how many packets the driver had by then. None: all were asked for.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/document/avatar.h"
+#include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "core/document/rig_follower.h"
 #include "core/input/voice_analyser.h"
@@ -36,6 +37,9 @@ constexpr double kHand = 0.085;
 constexpr double kSide = 0.055;
 /// Cutoffs of smoothing, Hz: a key jumps from 0 to 1 and needs more than a stick, which a hand leads.
 constexpr double kKeyHertz = 1.0, kStickHertz = 8.0, kPoseHertz = 2.0;
+
+/// Speed of a cycle at the end of its control.
+constexpr double kFastCycle = 3.0;
 
 /// What is led by a stick: the free end of a limb, or a handle.
 struct Limb {
@@ -155,26 +159,35 @@ struct Controls {
     std::array<std::string_view, 4> shows;
     std::string_view letGo;
     double hertz = 0.0;
+    /// How much there is of the first cycle, and how fast it runs; empty: the device has nothing that goes a part of its way. Where there are cycles, buttons bring limbs forward in their place.
+    std::array<std::string_view, 2> cycle, forwardButtons;
 };
 Controls controlsOf(InputProtocol protocol) {
-    if (protocol == InputProtocol::Pad) return {{{"left-x", "left-y"}, {"right-x", "right-y"}}, {"left-trigger", "right-trigger"}, {"a", "b", "x", "y"}, "back", kStickHertz};
-    return {{{"wasd", "wasd", 0, 1}, {"arrows", "arrows", 0, 1}, {"ijkl", "ijkl", 0, 1}}, {"q", "e"}, {"1", "2", "3", "4"}, "backspace", kKeyHertz};
+    if (protocol == InputProtocol::Pad) return {{{"left-x", "left-y"}, {"right-x", "right-y"}}, {"left-trigger", "right-trigger"}, {"a", "b", "x", "y"}, "back", kStickHertz, {"left-trigger", "right-trigger"}, {"left-shoulder", "right-shoulder"}};
+    return {{{"wasd", "wasd", 0, 1}, {"arrows", "arrows", 0, 1}, {"ijkl", "ijkl", 0, 1}}, {"q", "e"}, {"1", "2", "3", "4"}, "backspace", kKeyHertz, {}, {}};
 }
 
 void suggestControls(Suggestion& made, const Document& document, const Limbs& limbs, InputProtocol protocol) {
     const Controls controls = controlsOf(protocol);
     const Led led = ledBy(limbs);
     const double reach = usualReach(document);
+    const bool cycles = !controls.cycle[0].empty() && !cyclesOf(document).empty();
     std::vector<Limb> order = led.sides;
     order.insert(order.end(), led.rest.begin(), led.rest.end());
     for (std::size_t i = 0; i < std::min(order.size(), controls.sticks.size()); ++i) {
         const Stick& stick = controls.sticks[i];
         made.add(stick.x, stick.xNumber, order[i].target + "/x", -1.0, -reach, reach, controls.hertz);
         made.add(stick.y, stick.yNumber, order[i].target + "/y", -1.0, -reach, reach, controls.hertz);
-        if (i < controls.forward.size()) made.add(controls.forward[i], 0, order[i].target + "/z", 0.0, 0.0, reach, controls.hertz);
+        if (i < controls.forward.size()) made.add(cycles ? controls.forwardButtons[i] : controls.forward[i], 0, order[i].target + "/z", 0.0, 0.0, reach, cycles ? kKeyHertz : controls.hertz);
+    }
+    if (cycles) {
+        const std::string of = "cycle/" + cyclesOf(document).front().name;
+        made.add(controls.cycle[0], 0, of + "/amount", 0.0, 0.0, 1.0, controls.hertz);
+        made.add(controls.cycle[1], 0, of + "/speed", 0.0, 1.0, kFastCycle, controls.hertz);
     }
     std::vector<std::string> shows;
-    for (const KeptPose& pose : keptPoses(document)) shows.push_back("pose/" + pose.name + "/weight");
+    for (const KeptPose& pose : keptPoses(document))
+        if (cyclesThrough(document, pose.name).empty()) shows.push_back("pose/" + pose.name + "/weight");
     for (const auto& [id, character] : document.characters)
         for (std::size_t m = 0; m < character->model->morphs.size() && shows.size() < controls.shows.size(); ++m) shows.push_back("morph/" + character->name + "/" + character->model->morphs[m].name);
     for (std::size_t i = 0; i < std::min(shows.size(), controls.shows.size()); ++i) made.add(controls.shows[i], 0, shows[i], 0.0, 0.0, 1.0, kPoseHertz);

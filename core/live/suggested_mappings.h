@@ -27,7 +27,8 @@ std::string olderExpressionName(std::string_view name);
 ///
 /// Pads and keys: limbs are chains of bones that end freely and are not pinned; a hand is one limb, not its fingers. A stick moves the limb that reaches farthest to one side of the scene (-x), a
 /// second stick the one that reaches farthest to the other, a third one the highest of what is left; two buttons bring the first two forward (+z). Characters with handles alone have those in the place
-/// of limbs. Buttons show kept poses, else morph targets. One button lets everything go.
+/// of limbs. Where there are cycles, the triggers of a pad have how much there is of the first one and how fast it runs, and its shoulders bring
+/// limbs forward. Buttons show kept poses that are not of a cycle, else morph targets. One button lets everything go.
 ///
 /// VMC: bones turn by their roles of a human, as the file says them or names tell them; without roles, the head turns the highest limb, and the arms turn the limbs that reach farthest to their sides.
 /// Values of a face move expressions of an avatar, or morph targets of the same name.

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/document/cycle.h"
 #include "core/document/document_change.h"
 #include "core/input/key_names.h"
 #include "core/live/direct_names.h"
@@ -28,6 +29,9 @@ constexpr int kReadyMs = 400;
 /// Where the system shows that devices come and go.
 constexpr const char* kDeviceFolders[] = {"/dev/input", "/dev/snd"};
 
+/// What the window itself is called as a source.
+const std::string kWindow = "window";
+
 /// Effects go on or off.
 bool switchesEffects(const Effects& before, const Effects& after) {
     for (std::size_t k = 0; k < kEffects; ++k)
@@ -47,9 +51,10 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         const bool driven = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty() || change.mappings || change.poses || change.cycles || !change.takes.empty() || (change.effects && switchesEffects(*change.effects, document_.document().effects));
         const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
-        if (devices || (driven && listens())) followSoon();
+        if (devices || (driven && (listens() || feed_))) followSoon();
         // Another project is not performed by what was learned for the last one.
         if (change.unknown) stopLearning();
+        if (change.has(&DocumentChange::cycles)) dropFaders();
     });
     connect(&document, &StudioDocument::frameStepped, this, &InputDeck::takeHold);
     connect(&deck, &TakeDeck::changed, this, [this] {
@@ -148,7 +153,7 @@ void InputDeck::setOn(std::size_t index, bool on) {
         waits_ = Waits::No;
         holdsAnyway_ = true;
     }
-    if (!listens()) stopLearning();
+    if (!hears()) stopLearning();
     follow();
     Q_EMIT changed();
 }
@@ -194,7 +199,7 @@ void InputDeck::lookForDevices() {
 }
 
 bool InputDeck::anythingPlugged() const {
-    return listens() || std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && s.on && !devices(s.protocol).empty(); });
+    return hears() || std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && s.on && !devices(s.protocol).empty(); });
 }
 
 bool InputDeck::canLearn() const {
@@ -294,7 +299,7 @@ void InputDeck::follow() {
         std::vector<std::string> osc;
         for (const Source& source : sources_)
             if (source.open && source.protocol == InputProtocol::Osc) osc.push_back(source.name);
-        feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc, {}, before ? &before->driver() : nullptr));
+        feed_ = std::make_shared<InputFeed>(InputDriver(document_.document(), document_.session().plan(), osc, speaks_ ? std::span(&kWindow, 1) : std::span<const std::string>(), before ? &before->driver() : nullptr));
         names = nameMessages(document_.document());
         document_.performInputs(feed_);
     }
@@ -354,8 +359,49 @@ void InputDeck::wait(Waits why) {
 void InputDeck::letGo() {
     stopLearning();
     if (!listens()) return;
+    faders_.clear();
+    thread_.forget(kWindow);
     wait(Waits::LetGo);  // first: nothing more is given
     if (feed_) feed_->letGo();
+}
+
+InputDeck::CycleFaders InputDeck::cycleFaders(const std::string& cycle) const {
+    const auto known = faders_.find(cycle);
+    return known == faders_.end() ? CycleFaders() : known->second;
+}
+
+void InputDeck::playCycle(const std::string& cycle, const CycleFaders& to) {
+    const CycleFaders was = cycleFaders(cycle);
+    faders_.insert_or_assign(cycle, to);
+    // Who draws a fader up wants to see it move.
+    if (was.amount == 0.0 && to.amount != 0.0) {
+        holdsAnyway_ = true;
+        if (waits_ != Waits::No) goOn();
+    }
+    if (!std::exchange(speaks_, true)) {
+        follow();
+        Q_EMIT changed();
+    }
+    sayFaders(cycle, to);
+}
+
+void InputDeck::sayFaders(const std::string& cycle, const CycleFaders& faders) {
+    for (const auto& [number, value] : {std::pair("/speed", faders.speed), std::pair("/amount", faders.amount)}) {
+        InputValue said;
+        said.source = InputName(kWindow);
+        said.channel = InputName("/imomushi/cycle/" + cycle + number);
+        said.numbers[0] = value;
+        said.count = 1;
+        thread_.say(said);
+    }
+}
+
+void InputDeck::dropFaders() {
+    const std::size_t gone = std::erase_if(faders_, [this](const auto& fader) { return !cycleNamed(document_.document(), fader.first); });
+    if (gone == 0) return;
+    thread_.forget(kWindow);
+    for (const auto& [cycle, faders] : faders_) sayFaders(cycle, faders);
+    speaks_ = !faders_.empty();
 }
 
 void InputDeck::goOn() {
@@ -393,9 +439,9 @@ void InputDeck::learn(const std::string& target) {
     target_ = target;
     candidate_.reset();
     thread_.learn(learning());
-    const bool heard = listens();
+    const bool heard = hears();
     followDevices();
-    if (listens() != heard) follow();
+    if (hears() != heard) follow();
     Q_EMIT changed();
 }
 

@@ -5,6 +5,7 @@
 #include <QObject>
 #include <QTimer>
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,7 +53,9 @@ public:
     ~InputDeck() override;
 
     [[nodiscard]] const std::vector<Source>& sources() const { return sources_; }
-    [[nodiscard]] bool listens() const { return thread_.hears(); }
+    /// Somebody may move something: a port or a device is open, or the window plays cycles itself.
+    [[nodiscard]] bool listens() const { return hears() || speaks_; }
+    [[nodiscard]] bool hears() const { return thread_.hears(); }
     /// Opens or closes its port, or lets its device be heard or not.
     void setOn(std::size_t source, bool on);
     // A source that is on is opened anew.
@@ -78,6 +81,14 @@ public:
     /// Everything that inputs move glides to rest, and they move nothing more until goOn(). For panic.
     void letGo();
     void goOn();
+
+    /// Faders of a cycle: how much there is of it, 0 ... 1, and how fast it runs, 1 as it was made.
+    struct CycleFaders {
+        double amount = 0.0, speed = 1.0;
+    };
+    /// Plays a cycle as a controller would, from the window itself; rows of the document's table win over it. A cycle that no fader plays is at rest.
+    void playCycle(const std::string& cycle, const CycleFaders& to);
+    [[nodiscard]] CycleFaders cycleFaders(const std::string& cycle) const;
 
     /// Of each row of the document's table; empty: inputs do not perform.
     [[nodiscard]] const std::vector<InputMeter>& meters() const { return meters_; }
@@ -113,6 +124,9 @@ private:
     void wait(Waits why);
     /// A row let it happen.
     void happen(const MappedTarget& what);
+    void sayFaders(const std::string& cycle, const CycleFaders& faders);
+    /// Of cycles that are not there any more.
+    void dropFaders();
     /// Of rows of the feed, and of those that let something happen.
     void takeMeters();
 
@@ -131,6 +145,8 @@ private:
     Waits waits_ = Waits::No;       // LetGo, Undone, Refused or No
     bool holdsAnyway_ = false;      // the artist went on after undoing
     bool takeShown_ = false, scheduled_ = false;
+    bool speaks_ = false;           // the window plays cycles, or did
+    std::map<std::string, CycleFaders> faders_;  // by cycle, as they were left
     std::string target_;
     std::optional<ControlLearner::Found> candidate_;
     QTimer timer_;

@@ -10,9 +10,11 @@
 #include <QSlider>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
 
 #include "core/document/kept_pose.h"
 #include "ui/models/commands.h"
+#include "ui/panels/cycles_panel.h"
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
@@ -24,10 +26,12 @@ constexpr int kNameRole = Qt::UserRole;
 /// As many as there are keys for.
 constexpr int kKeyed = 9;
 constexpr int kPictureWide = 64, kPictureHigh = 48, kRoom = 24;  // pixels of the design
+constexpr int kBetweenHalves = 16;  // the same
+constexpr int kPosesMargin = 8;  // pixels
 
 }  // namespace
 
-PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* parent) : QWidget(parent), document_(document) {
+PosesPanel::PosesPanel(StudioDocument& document, InputDeck& inputs, ActionSet& actions, QWidget* parent) : QWidget(parent), document_(document) {
     list_ = named(new QListWidget(this), "poses");
     list_->setEditTriggers(QAbstractItemView::EditKeyPressed);
     // Tiles: many are seen where the dock is wide and low.
@@ -36,6 +40,7 @@ PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* pa
     list_->setResizeMode(QListView::Adjust);
     list_->setTextElideMode(Qt::ElideRight);
     list_->setUniformItemSizes(true);
+    list_->setSelectionMode(QAbstractItemView::ExtendedSelection);
     list_->installEventFilter(this);
     list_->setContextMenuPolicy(Qt::CustomContextMenu);
     empty_ = styled(new QLabel(this), "muted");
@@ -55,8 +60,11 @@ PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* pa
     row->addStretch(1);
     auto* blending = new QHBoxLayout;
     fill(blending, blendLabel_, Share{blend_, 1});
+    cycles_ = new CyclesPanel(document, inputs, this);
+    auto* poses = fill(new QVBoxLayout, row, Share{list_, 1}, Share{empty_, 1}, blending);
+    halves_ = new QBoxLayout(QBoxLayout::LeftToRight, this);
     usePanelBackground(this);
-    fill(new QVBoxLayout(this), QMargins(8, 8, 8, 8), row, Share{list_, 1}, Share{empty_, 1}, blending);
+    fill(halves_, QMargins(kPosesMargin, kPosesMargin, kPosesMargin, kPosesMargin), Spacing{px(kBetweenHalves)}, Share{poses, 1}, Share{cycles_, 1});
 
     connect(list_, &QListWidget::itemActivated, this, [this] { apply(1.0, false); });
     connect(list_, &QListWidget::itemChanged, this, [this](QListWidgetItem* item) {
@@ -68,6 +76,9 @@ PosesPanel::PosesPanel(StudioDocument& document, ActionSet& actions, QWidget* pa
         }, Qt::QueuedConnection);
     });
     connect(list_, &QListWidget::currentRowChanged, this, [this] { blend_->setEnabled(!chosen().isEmpty()); });
+    connect(list_, &QListWidget::itemSelectionChanged, this, [this] {
+        if (!following_) tellChosen();
+    });
     connect(list_, &QWidget::customContextMenuRequested, this, [this](const QPoint& at) { menu(list_->viewport()->mapToGlobal(at)); });
     connect(blend_, &QSlider::valueChanged, this, &PosesPanel::blendTo);
     connect(blend_, &QSlider::sliderReleased, this, [this] { endBlend(true); });
@@ -106,6 +117,7 @@ void PosesPanel::follow() {
         if (name == before) list_->setCurrentItem(item);
     }
     following_ = false;
+    tellChosen();
     list_->setVisible(place > 0);
     empty_->setVisible(place == 0);
     blend_->setEnabled(!chosen().isEmpty());
@@ -128,6 +140,25 @@ void PosesPanel::setPicture(const QString& pose, const QImage& picture) {
 void PosesPanel::takeSizes() {
     list_->setIconSize(QSize(px(kPictureWide), px(kPictureHigh)));
     list_->setGridSize(QSize(px(kPictureWide + kRoom), px(kPictureHigh) + list_->fontMetrics().height() + px(kRoom / 2)));
+}
+
+void PosesPanel::tellChosen() {
+    QStringList poses;
+    for (int row = 0; row < list_->count(); ++row)
+        if (list_->item(row)->isSelected()) poses << list_->item(row)->data(kNameRole).toString();
+    cycles_->choosePoses(poses);
+}
+
+void PosesPanel::resizeEvent(QResizeEvent* event) {
+    QWidget::resizeEvent(event);
+    const int beside = halves_->itemAt(0)->minimumSize().width() + halves_->spacing() + halves_->itemAt(1)->minimumSize().width() + 2 * kPosesMargin;
+    halves_->setDirection(width() < beside ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
+}
+
+QSize PosesPanel::minimumSizeHint() const {
+    QSize least = QWidget::minimumSizeHint();
+    least.setWidth(std::max(halves_->itemAt(0)->minimumSize().width(), halves_->itemAt(1)->minimumSize().width()) + 2 * kPosesMargin);
+    return least;
 }
 
 void PosesPanel::showEvent(QShowEvent* event) {

@@ -75,7 +75,7 @@ StudioDocks::StudioDocks(QMainWindow& window, StudioDocument& document, TakeDeck
         area->setMinimumHeight(pixels);
         if (tight && area->height() > pixels) window_.resizeDocks({takesDock_}, {above + pixels}, Qt::Vertical);
     }, Qt::QueuedConnection);
-    poses_ = new PosesPanel(document, actions, &window);
+    poses_ = new PosesPanel(document, inputs, actions, &window);
     posesDock_ = dock("posesDock", new Scrolled(poses_, &window), Qt::BottomDockWidgetArea);
     posesDock_->hide();
     live_ = new LivePanel(document, inputs, outputs, deck, actions, &window);

@@ -116,7 +116,7 @@ void LivePanel::takeSizes() {
 
 QString LivePanel::guide() const {
     const bool heard = std::any_of(inputs_.sources().begin(), inputs_.sources().end(), [](const InputDeck::Source& s) { return s.open && (s.heard.counts.packets > 0 || !s.heard.device.empty()); });
-    if (!inputs_.listens()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
+    if (!inputs_.hears()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
     switch (inputs_.waits()) {
         case InputDeck::Waits::LetGo: return tr("Everything was let go. Inputs move nothing until you continue.");
         case InputDeck::Waits::Undone: return tr("What inputs held was undone. They move nothing until you continue.");
