@@ -5,6 +5,7 @@
 #include "frame.glsl"
 #include "tone.glsl"
 #include "disc_samples.glsl"
+#include "surface.glsl"
 in vec2 uv;
 uniform sampler2D surface;
 uniform sampler2DShadow shadowMap;
@@ -27,13 +28,13 @@ float keyVisible(vec3 p, vec3 n, float turn) {
 }
 
 void main() {
-    vec4 here = texture(surface, uv);
+    vec2 here = texture(surface, uv).xy;
     outOcclusion = vec4(1.0);
-    if (here.w > 1e20) return;
-    vec3 p = viewPosition(uv, here.w);
-    vec3 n = here.xyz;
+    if (here.x > 1e20) return;
+    vec3 p = viewPosition(uv, here.x);
+    vec3 n = unpackedNormal(here.y);
     // The disc of `radius` around p on the screen, in texture coordinates.
-    vec2 disc = radius / (2.0 * frame.projection.xy * (frame.eye.w > 0.5 ? 1.0 : here.w));
+    vec2 disc = radius / (2.0 * frame.projection.xy * (frame.eye.w > 0.5 ? 1.0 : here.x));
     disc = min(disc, vec2(0.15));
     float turn = pixelNoise(floor(gl_FragCoord.xy)) * 6.2831853;
     float sum = 0.0;
@@ -41,7 +42,7 @@ void main() {
         float r = (float(i) + 0.5) / float(taps);
         float angle = turn + float(i) * 2.3999632;
         vec2 at = uv + r * vec2(cos(angle), sin(angle)) * disc;
-        float depth = texture(surface, at).w;
+        float depth = texture(surface, at).x;
         vec3 d = viewPosition(at, min(depth, 1e6)) - p;
         float dd = dot(d, d);
         float f = max(radius * radius - dd, 0.0) / (radius * radius);

@@ -16,7 +16,7 @@ Result<void> OcclusionPass::prepare() {
 bool OcclusionPass::resize(int width, int height, bool software) {
     const int part = software ? 2 : 1;
     const int w = (width + part - 1) / part, h = (height + part - 1) / part;
-    if (!surface_.resize(w, h, GL_RGBA32F, GL_DEPTH_COMPONENT24) || !occlusion_.resize(w, h, GL_RG8, 0) || !noisy_.resize(w, h, GL_RG8, 0)) return false;
+    if (!surface_.resize(w, h, GL_RG32F, GL_DEPTH_COMPONENT24) || !occlusion_.resize(w, h, GL_RG8, 0) || !noisy_.resize(w, h, GL_RG8, 0)) return false;
     glBindTexture(GL_TEXTURE_2D, surface_.color());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -29,7 +29,7 @@ void OcclusionPass::releaseMemory() {
 
 void OcclusionPass::draw(const PassInput& in, GLuint shadowMap) {
     surface_.bind();
-    const float nothing[4] = {0.0f, 0.0f, 0.0f, 1e30f};
+    const float nothing[4] = {1e30f, 0.0f, 0.0f, 0.0f};
     glClearBufferfv(GL_COLOR, 0, nothing);
     glClear(GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
