@@ -161,6 +161,7 @@ struct Sending {
 
 Result<Sending> sendingTo(const Json& list, SessionAccess& access) {
     Sending made;
+    if (list.size() > RawInputs::kMostSources) return fail("bad-value", "\"send\" must name at most " + std::to_string(RawInputs::kMostSources) + " receivers.");
     IMOMUSHI_TRY(const auto alive, access.live.built());
     for (const Json& given : list) {
         if (!alive) break;  // which is said by whoever performs
@@ -173,6 +174,7 @@ Result<Sending> sendingTo(const Json& list, SessionAccess& access) {
         const Json host = given.value("host", Json("127.0.0.1"));
         if (!host.is_string() || !given.contains("port")) return fail("missing-key", "A receiver needs \"protocol\" and \"port\", and has \"host\", a text.");
         IMOMUSHI_TRY(const auto port, numberWithin(given["port"], "port", 1, 65535));
+        if (port != std::floor(port)) return fail("bad-value", "\"port\" must be a whole number.");
         IMOMUSHI_TRY(auto target, UdpTarget::open(host.get<std::string>(), static_cast<std::uint16_t>(port)));
         made.targets.push_back(std::move(target));
         made.writers.emplace_back(*protocol, access.document(), access.live.plan());
@@ -185,9 +187,9 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
     if (auto ok = readNumber(arguments, "seconds", 0.0, kLongestLive, longest); !ok) return tl::unexpected(ok.error());
     IMOMUSHI_TRY(auto heard, listen(arguments.at("sources"), arguments.value("open", false) ? UdpPort::From::Anywhere : UdpPort::From::Loopback, access.document()));
     const double stepSeconds = 1.0 / access.document().settings.rate;
+    IMOMUSHI_TRY(auto sending, sendingTo(arguments.value("send", Json::array()), access));
     const Unseen unseen(access.live);
     IMOMUSHI_TRY(auto performance, LivePerformance::begin(access, heard.sources, stepSeconds));
-    IMOMUSHI_TRY(auto sending, sendingTo(arguments.value("send", Json::array()), access));
     std::optional<RawInputWriter> recording;
     if (const Json* path = find(arguments, "record")) {
         IMOMUSHI_TRY(recording, RawInputWriter::begin(path->get<std::string>(), heard.sources, stepSeconds));
@@ -303,11 +305,11 @@ void addLiveCommands(CommandRegistry& registry) {
                        "Performs the character by what devices and other programs say, at its rate (60 steps a second unless set), by its mappings (map-input) and by OSC addresses that everything has: \"/imomushi/handle/NAME/position\" x y z (metres), "
                        "\"/imomushi/handle/NAME/turn\" x y z (radians), \"/imomushi/bone/NAME/end/position\", \"/imomushi/bone/NAME/end/roll\", \"/imomushi/morph/CHARACTER/NAME\", \"/imomushi/pose/NAME\", \"/imomushi/cycle/NAME/amount\" and \"/imomushi/cycle/NAME/speed\", \"/imomushi/effect/NAME/PROPERTY\" of effects that are on; \"/imomushi/list\" is answered by all of them. "
                        "What is moved is held from then on. It ends after its seconds, or when the program is interrupted (Ctrl+C), which ends nothing else.",
-                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\", \"midi\" or \"voice\",\"device\":its name or number (the first one),\"name\":...}: a game controller, a MIDI device or a microphone, opened where a mapping names its source, plugged in and out at any time."},
+                       {{"sources", Type::Array, true, "Who is listened to: objects {\"protocol\":\"osc\" or \"vmc\",\"port\":9000,\"name\":as mappings call it (its protocol)}; port 0 is any that is free, standard error tells it. Or {\"protocol\":\"pad\", \"midi\" or \"voice\",\"device\":its name, of a game controller also its number (the first one),\"name\":...}: a game controller, a MIDI device or a microphone, opened where a mapping names its source, plugged in and out at any time."},
                         {"seconds", Type::Number, false, "How long, up to a day (until it is interrupted)."},
                         {"open", Type::Boolean, false, "Other machines may send, too (false: programs of this machine alone)."},
                         {"record", Type::Text, false, "A file for all that comes in, with its times, for replay."},
-                        {"send", Type::Array, false, "Other programs that are told each step: objects {\"protocol\":\"vmc\" or \"osc\",\"host\":its address (127.0.0.1),\"port\":39539}. By VMC: bones with roles of a human, handles as trackers, expressions and morph targets. By OSC: the addresses above, so that another imomushi that listens moves alike."}},
+                        {"send", Type::Array, false, "Other programs that are told each step: objects {\"protocol\":\"vmc\" or \"osc\",\"host\":its address (127.0.0.1),\"port\":39539}. By VMC: bones with roles of a human, handles as trackers, expressions and morph targets. By OSC: places and rolls of ends of bones, places and turns of handles and weights of morph targets, by the addresses above, so that another imomushi that listens moves alike."}},
                        live);
     registry.addAction("replay", "Performs the character by a recording of \"live\", as fast as it can: what was begun alike ends in the same bytes. \"cut\": the recording ended within a step.",
                        {{"path", Type::Text, true, "A file that live recorded."}}, replay);

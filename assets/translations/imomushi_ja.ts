@@ -7297,8 +7297,12 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>毎秒 %1 フレームを送っています。</translation>
         </message>
         <message>
-            <source>Nobody took %1 packets: does the other program listen?</source>
-            <translation>%1 個のパケットが受け取られませんでした。相手のプログラムは待ち受けていますか。</translation>
+            <source>Nobody takes what is sent: does the other program listen?</source>
+            <translation>送ったものが受け取られていません。相手のプログラムは待ち受けていますか。</translation>
+        </message>
+        <message>
+            <source>On. What stands still is sent once a second.</source>
+            <translation>オンです。止まっているものは、毎秒 1 回送ります。</translation>
         </message>
         <message>
             <source>Send what is performed</source>
@@ -7512,8 +7516,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>骨格から、サイクルとそのポーズを提案します：這う、揺れる、息をする</translation>
         </message>
         <message>
-            <source>Remove the cycle</source>
-            <translation>サイクルを削除</translation>
+            <source>Remove the cycle, and the poses that were suggested with it</source>
+            <translation>サイクルと、一緒に提案されたポーズを削除</translation>
         </message>
         <message>
             <source>Amount</source>

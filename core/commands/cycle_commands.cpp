@@ -25,6 +25,13 @@ Result<Cycles::const_iterator> cycleIn(const Cycles& cycles, const std::string& 
     return fail("no-such-cycle", "There is no cycle \"" + name + "\"" + (there.empty() ? "; make one by add-cycle." : "; " + listNames(there) + "."));
 }
 
+/// Live input calls it by its name.
+Result<void> checkCycleName(const std::string& name) {
+    if (auto ok = checkNameText(name); !ok) return ok;
+    if (!InputName::fits("/imomushi/cycle/" + name + "/amount")) return fail("bad-name", "The name \"" + name + "\" is too long to be performed: choose a shorter one.");
+    return {};
+}
+
 std::string freeCycleName(const Document& document) {
     for (int n = 1;; ++n)
         if (std::string name = "cycle " + std::to_string(n); !cycleNamed(document, name)) return name;
@@ -45,7 +52,7 @@ Result<std::vector<std::string>> cyclePoses(const Document& document, const Json
 Result<Json> addCycle(DocumentEdit& edit, const Json& arguments, const Progress&) {
     Cycles cycles = cyclesOf(edit.document);
     const std::string name = arguments.contains("name") ? text(arguments, "name") : freeCycleName(edit.document);
-    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkCycleName(name); !ok) return tl::unexpected(ok.error());
     const auto same = std::ranges::find(cycles, name, &Cycle::name);
     const bool replaced = same != cycles.end();
     Cycle made = replaced ? *same : Cycle{name, {}, {}};
@@ -69,7 +76,7 @@ Result<Json> renameCycle(DocumentEdit& edit, const Json& arguments, const Progre
     IMOMUSHI_TRY(const auto cycle, cycleIn(cycles, text(arguments, "cycle")));
     const std::string& name = text(arguments, "name");
     if (name == cycle->name) return Json::object();
-    if (auto ok = checkNameText(name); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkCycleName(name); !ok) return tl::unexpected(ok.error());
     if (cycleNamed(edit.document, name)) return fail("name-taken", "There is a cycle \"" + name + "\" already: choose another name.");
     renameMapped(edit.document, "cycle", cycle->name, name);
     cycles[std::size_t(cycle - cycles.cbegin())].name = name;
@@ -116,6 +123,7 @@ Result<Json> suggestCycles(DocumentEdit& edit, const Json&, const Progress&) {
         put(cycles, std::move(made.cycle));
     }
     if (cycles.size() > Cycle::kMost) return fail("too-many-cycles", "There are too many cycles already: remove some.");
+    if (poses.size() > kMostKeptPoses) return fail("too-many-poses", "There are too many poses already: remove some.");
     setKeptPoses(edit.document, std::move(poses));
     setCycles(edit.document, std::move(cycles));
     return answer;

@@ -16,7 +16,6 @@ namespace imomushi {
 
 namespace {
 
-constexpr std::size_t kMostPoses = 1000;
 /// What is nearer to its target than this is there, m.
 constexpr double kHeld = 1e-5;
 
@@ -52,8 +51,8 @@ Result<Json> keepPose(DocumentEdit& edit, const Json& arguments, const Progress&
     const bool replaced = same != poses.end();
     if (replaced)
         *same = std::move(pose);
-    else if (poses.size() >= kMostPoses)
-        return fail("too-many-poses", "There are " + std::to_string(kMostPoses) + " poses already: remove some.");
+    else if (poses.size() >= kMostKeptPoses)
+        return fail("too-many-poses", "There are " + std::to_string(kMostKeptPoses) + " poses already: remove some.");
     else
         poses.push_back(std::move(pose));
     Json answer{{"name", name}, {"replaced", replaced}, {"poses", poses.size()}};

@@ -13,6 +13,8 @@ namespace imomushi {
 
 struct CharacterPlan;
 
+inline constexpr std::size_t kMostKeptPoses = 1000;  ///< of a document
+
 /// A pose that the artist kept by name: bones as they were shown, and what held them. What is not in the document any more, or came later, takes no part in it.
 struct KeptPose {
     std::string name;

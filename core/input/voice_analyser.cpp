@@ -15,7 +15,8 @@ constexpr double kEmphasis = 0.97;                    // of high frequencies bef
 constexpr double kNoise = 1e-4;                       // part of the energy, so that the prediction is well posed
 /// Loudness, dB: so much above what is always there a voice begins, and so much higher it is as loud as it gets.
 constexpr double kBegins = 8.0, kSpan = 30.0;
-constexpr double kQuietest = -90.0, kRises = 0.01;    // dB; what is always there becomes louder by so many dB a hop at most
+constexpr double kQuietest = -70.0, kRises = 0.01;    // dB; what is always there is no quieter than this, and becomes louder by so many dB a hop at most
+constexpr double kMuted = 1e-9;                       // energy of a sample, below what 16 bits say
 /// Templates whose distance differs by this (RMS of log envelopes, dB) are told apart.
 constexpr double kTold = 1.6;
 
@@ -142,8 +143,9 @@ VoiceSound VoiceAnalyser::hear(std::span<const float> samples) {
         window_[kWindow - kHop + i] = sample;
         energy += sample * sample;
     }
-    const double loudness = std::max(kQuietest, 10.0 * std::log10(energy / static_cast<double>(kHop) + 1e-12));
-    floor_ = std::min(loudness, floor_ + kRises);
+    const double loudness = std::max(-120.0, 10.0 * std::log10(energy / static_cast<double>(kHop) + 1e-12));
+    // No sound at all is a microphone that is muted, not a quiet room.
+    if (energy > kMuted * static_cast<double>(kHop)) floor_ = std::clamp(loudness, kQuietest, floor_ + kRises);
     VoiceSound sound{};
     sound[0] = std::clamp((loudness - floor_ - kBegins) / kSpan, 0.0, 1.0);
     Envelope envelope;

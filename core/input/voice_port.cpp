@@ -14,7 +14,8 @@ namespace imomushi {
 
 namespace {
 
-constexpr auto kBetweenLooks = std::chrono::seconds(1);
+/// After each time that it could not be opened, twice as long: opening may hold up whoever hears.
+constexpr auto kBetweenLooks = std::chrono::seconds(1), kLongestWait = std::chrono::seconds(32);
 constexpr std::uint16_t kBuffer = 256;  // samples that SDL brings at once
 /// What waits because nobody took it is old: a voice is heard now or not at all.
 constexpr std::uint32_t kMostWaiting = sizeof(float) * VoiceAnalyser::kRate / 4;
@@ -43,10 +44,21 @@ public:
     Sound& operator=(const Sound&) = delete;
 
     [[nodiscard]] std::vector<std::string> names() const {
+        const std::lock_guard lock(life());  // asking for their number makes the list anew
         std::vector<std::string> names;
         for (int i = 0; i < SDL_GetNumAudioDevices(1); ++i)
             if (const char* name = SDL_GetAudioDeviceName(i, 1)) names.emplace_back(name);
         return names;
+    }
+
+    /// What the artist made the usual microphone; empty: the system does not say.
+    [[nodiscard]] static std::string usual() {
+        std::string name;
+        char* said = nullptr;
+        SDL_AudioSpec spec{};
+        if (SDL_GetDefaultAudioInfo(&said, &spec, 1) == 0 && said) name = said;
+        SDL_free(said);
+        return name;
     }
 
 private:
@@ -72,21 +84,26 @@ VoicePort::~VoicePort() {
 
 void VoicePort::look() {
     const Clock::time_point now = Clock::now();
-    if (looked_ != Clock::time_point{} && now - looked_ < kBetweenLooks) return;
+    if (looked_ != Clock::time_point{} && now - looked_ < waits_) return;
     looked_ = now;
+    waits_ = kBetweenLooks;
     const std::vector<std::string> names = sound_->names();
-    const std::string name = wanted_.empty() && !names.empty() ? names.front() : wanted_;
-    if (std::ranges::find(names, name) == names.end()) return;
+    if (wanted_.empty() ? names.empty() : std::ranges::find(names, wanted_) == names.end()) return;
     SDL_AudioSpec asked{};
     asked.freq = VoiceAnalyser::kRate;
     asked.format = AUDIO_F32SYS;
     asked.channels = 1;
     asked.samples = kBuffer;
     SDL_AudioSpec got{};
-    // The system's own choice is its own name: what the artist made the usual microphone.
-    device_ = SDL_OpenAudioDevice(wanted_.empty() ? nullptr : name.c_str(), 1, &asked, &got, 0);
-    if (device_ == 0) return;
-    name_ = name;
+    device_ = SDL_OpenAudioDevice(wanted_.empty() ? nullptr : wanted_.c_str(), 1, &asked, &got, 0);
+    if (device_ == 0) {
+        failed_ = std::min<Clock::duration>(2 * failed_, kLongestWait);
+        waits_ = failed_;
+        return;
+    }
+    failed_ = kBetweenLooks;
+    name_ = wanted_.empty() ? Sound::usual() : wanted_;
+    if (name_.empty()) name_ = names.front();
     analyser_ = VoiceAnalyser();
     SDL_PauseAudioDevice(device_, 0);
 }

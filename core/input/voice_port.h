@@ -37,6 +37,7 @@ private:
     std::string wanted_, name_;       // name_: of what is heard; empty: nothing is
     unsigned device_ = 0;             // of SDL, 0: none
     Clock::time_point looked_{};
+    Clock::duration waits_ = std::chrono::seconds(1), failed_ = std::chrono::seconds(1);  // until it looks again; after it could not open
     VoiceAnalyser analyser_;
     std::array<float, VoiceAnalyser::kHop> samples_{};
     friend std::vector<std::string> pluggedMicrophones();

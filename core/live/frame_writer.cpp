@@ -6,7 +6,6 @@
 
 #include "core/base/rotation_vector.h"
 #include "core/document/avatar.h"
-#include "core/document/morph_weights.h"
 #include "core/document/names.h"
 #include "core/input/input_value.h"
 #include "core/live/live_character.h"
@@ -27,13 +26,14 @@ double shareOf(const std::vector<std::pair<std::size_t, double>>& needed, const 
 }  // namespace
 
 void showFrame(const LiveCharacter& live, ShownFrame& frame) {
-    const Document& document = live.document();
     frame.pose = live.presentPose();
     frame.handles.clear();
     for (std::size_t i = 0; i < live.plan().handles.size(); ++i) frame.handles.push_back(live.presentHandle(static_cast<int>(i)));
     frame.morphs.clear();
-    for (const auto& [id, character] : document.characters)
-        for (std::size_t t = 0; t < character->model->morphs.size(); ++t) frame.morphs.push_back(morphWeight(document, *character, static_cast<int>(t)));
+    for (std::size_t c = 0; c < live.plan().characters.size(); ++c) {
+        const auto& weights = live.presentMorphs(static_cast<int>(c));
+        frame.morphs.insert(frame.morphs.end(), weights.begin(), weights.end());
+    }
 }
 
 std::optional<OutputProtocol> outputProtocolNamed(std::string_view name) {
@@ -46,24 +46,38 @@ std::string_view outputProtocolName(OutputProtocol protocol) { return protocol =
 
 FrameWriter::FrameWriter(OutputProtocol protocol, const Document& document, const CharacterPlan& plan)
     : protocol_(protocol), skeleton_(plan.input.skeleton), tree_(boneTree(skeleton_)), rest_(restPose(skeleton_)) {
-    for (const FaceRef& handle : plan.handles) handles_.push_back(handle.face);
+    const bool osc = protocol == OutputProtocol::Osc;
     const std::string root = "/imomushi/";
+    for (std::size_t i = 0; i < plan.handles.size(); ++i) {
+        const std::string& name = plan.handles[i].face;
+        if (!osc) handles_.push_back({name, {}, i});
+        else if (const std::string of = root + "handle/" + name; InputName::fits(of + "/position")) handles_.push_back({of + "/position", of + "/turn", i});
+    }
     // Of several ends at one point one is named, an end rather than a start.
     for (const bool atEnd : {true, false})
         for (const auto& [end, point] : plan.points)
-            if (end.atEnd == atEnd && std::ranges::find(ends_, static_cast<std::size_t>(point), &End::point) == ends_.end()) ends_.push_back({root + "bone/" + endpointText(document, end), static_cast<std::size_t>(point)});
-    for (const auto& [id, character] : document.characters) {
-        const std::size_t first = morphs_.size();
-        for (const MorphTarget& morph : character->model->morphs) morphs_.push_back(protocol == OutputProtocol::Osc ? root + "morph/" + character->name + "/" + morph.name : morph.name);
-        if (!character->rig || protocol == OutputProtocol::Osc) continue;
+            if (const std::string of = root + "bone/" + endpointText(document, end); osc && end.atEnd == atEnd && InputName::fits(of + "/position") && std::ranges::find(ends_, static_cast<std::size_t>(point), &Named::of) == ends_.end())
+                ends_.push_back({of + "/position", of + "/roll", static_cast<std::size_t>(point)});
+    std::size_t first = 0;
+    for (const PartId id : plan.characters) {
+        const CharacterSource* character = document.characters.at(id).get();
+        const std::size_t begin = first;
+        for (const MorphTarget& morph : character->model->morphs) {
+            const std::string name = osc ? root + "morph/" + character->name + "/" + morph.name : morph.name;
+            if (!osc || InputName::fits(name)) morphs_.push_back({name, {}, first});
+            ++first;
+        }
+        if (!character->rig || osc) continue;
         for (const AvatarExpression& given : avatarFacts(*character->rig).expressions) {
             Expression made{olderExpressionName(given.name), {}};
             for (const auto& [target, amount] : given.morphs)
-                if (const int t = character->model->morphIndex(target); t >= 0 && amount > 0.0) made.morphs.emplace_back(first + static_cast<std::size_t>(t), amount);
+                if (const int t = character->model->morphIndex(target); t >= 0 && amount > 0.0) made.morphs.emplace_back(begin + static_cast<std::size_t>(t), amount);
             if (!made.morphs.empty()) expressions_.push_back(std::move(made));
         }
     }
-    if (protocol == OutputProtocol::Osc) return;
+    if (osc) return;
+    // What an expression says is not said twice.
+    std::erase_if(morphs_, [this](const Named& morph) { return std::ranges::find(expressions_, morph.address, &Expression::name) != expressions_.end(); });
     std::vector<int> humanOf(skeleton_.bones.size(), -1);
     const auto roles = bonesByRole(document, plan);
     for (std::size_t b = 0; b < skeleton_.bones.size(); ++b) {  // parents come first
@@ -103,25 +117,28 @@ void FrameWriter::writeVmc(const ShownFrame& frame, double time) {
         const Vec3 from = human.parent < 0 ? Vec3(Vec3::Zero()) : startOf(human_[static_cast<std::size_t>(human.parent)].bone);
         placed("/VMC/Ext/Bone/Pos", human.name, carried.conjugate() * (startOf(human.bone) - from), (carried.conjugate() * whole_[h]).normalized());
     }
-    for (std::size_t i = 0; i < handles_.size() && i < frame.handles.size(); ++i) placed("/VMC/Ext/Tra/Pos", handles_[i], frame.handles[i].at, frame.handles[i].rotation);
+    for (const Named& handle : handles_)
+        if (handle.of < frame.handles.size()) placed("/VMC/Ext/Tra/Pos", handle.address, frame.handles[handle.of].at, frame.handles[handle.of].rotation);
     for (const Expression& expression : expressions_) bundle_.message("/VMC/Ext/Blend/Val", expression.name, {static_cast<float>(shareOf(expression.morphs, frame.morphs))});
-    for (std::size_t i = 0; i < morphs_.size() && i < frame.morphs.size(); ++i)
-        if (std::ranges::find(expressions_, morphs_[i], &Expression::name) == expressions_.end()) bundle_.message("/VMC/Ext/Blend/Val", morphs_[i], {static_cast<float>(frame.morphs[i])});
-    if (!morphs_.empty()) bundle_.message("/VMC/Ext/Blend/Apply");
+    for (const Named& morph : morphs_)
+        if (morph.of < frame.morphs.size()) bundle_.message("/VMC/Ext/Blend/Val", morph.address, {static_cast<float>(frame.morphs[morph.of])});
+    if (!morphs_.empty() || !expressions_.empty()) bundle_.message("/VMC/Ext/Blend/Apply");
 }
 
 void FrameWriter::writeOsc(const ShownFrame& frame) {
     const Pose& pose = fits(skeleton_, frame.pose) ? frame.pose : rest_;
     const auto vector = [&](const std::string& address, const Vec3& v) { bundle_.message(address, {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}); };
-    for (const End& end : ends_) {
-        vector(end.address + "/position", pose.points[end.point]);
-        bundle_.message(end.address + "/roll", {static_cast<float>(pose.roll[end.point])});
+    for (const Named& end : ends_) {
+        vector(end.address, pose.points[end.of]);
+        bundle_.message(end.second, {static_cast<float>(pose.roll[end.of])});
     }
-    for (std::size_t i = 0; i < handles_.size() && i < frame.handles.size(); ++i) {
-        vector("/imomushi/handle/" + handles_[i] + "/position", frame.handles[i].at);
-        vector("/imomushi/handle/" + handles_[i] + "/turn", rotationVector(frame.handles[i].rotation));
+    for (const Named& handle : handles_) {
+        if (handle.of >= frame.handles.size()) continue;
+        vector(handle.address, frame.handles[handle.of].at);
+        vector(handle.second, rotationVector(frame.handles[handle.of].rotation));
     }
-    for (std::size_t i = 0; i < morphs_.size() && i < frame.morphs.size(); ++i) bundle_.message(morphs_[i], {static_cast<float>(frame.morphs[i])});
+    for (const Named& morph : morphs_)
+        if (morph.of < frame.morphs.size()) bundle_.message(morph.address, {static_cast<float>(frame.morphs[morph.of])});
 }
 
 }  // namespace imomushi

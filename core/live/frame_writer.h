@@ -37,7 +37,7 @@ std::string_view outputProtocolName(OutputProtocol protocol);
 /// VMC (as its "performer" sends it; protocol.vmc.info): "/VMC/Ext/OK", "/VMC/Ext/T", "/VMC/Ext/Root/Pos"; a "/VMC/Ext/Bone/Pos" of each bone with a role of a human, relative to the nearest such bone that it hangs on, from rest; each handle as a tracker
 /// ("/VMC/Ext/Tra/Pos", its name for a serial); the expressions of an avatar by the names of VRM 0, as senders call them, and all morph targets by their own ("/VMC/Ext/Blend/Val", then "Apply"). Axes are Unity's: x is mirrored.
 ///
-/// OSC: positions of handles and ends of bones (m), turns of handles (a rotation vector, radians), rolls of ends, weights of morph targets, each by its direct name (directNames()).
+/// OSC, without names that are too long for a channel: positions of handles and ends of bones (m), turns of handles (a rotation vector, radians), rolls of ends, weights of morph targets, each by its direct name (directNames()).
 class FrameWriter {
 public:
     FrameWriter(OutputProtocol protocol, const Document& document, const CharacterPlan& plan);
@@ -67,13 +67,12 @@ private:
     std::vector<HumanBone> human_;           // parents before children
     std::vector<Eigen::Quaterniond> whole_;  // of human_, in the frame that is written
     std::vector<Expression> expressions_;
-    std::vector<std::string> morphs_;        // names; for OSC addresses
-    struct End {
-        std::string address;
-        std::size_t point = 0;
+    /// What is sent under an address, or for VMC under a name.
+    struct Named {
+        std::string address, second;  // places and turns, or rolls, have one each
+        std::size_t of = 0;           // a joint point, a handle, a morph target
     };
-    std::vector<End> ends_;
-    std::vector<std::string> handles_;       // names
+    std::vector<Named> ends_, handles_, morphs_;
     OscBundle bundle_;
 };
 

@@ -86,6 +86,8 @@ public:
     [[nodiscard]] const Pose& presentPose() const;
     /// A handle of the plan as it is shown, in the world. There must be a character.
     [[nodiscard]] HandlePose presentHandle(int handle) const { return character_->shownHandle(handle); }
+    /// Weights of the morph targets of a character of the plan, as they are shown. There must be a character.
+    [[nodiscard]] const std::vector<double>& presentMorphs(int character) const { return character_->morphWeights(character); }
     /// Character::shape() of the character as it is.
     void shape(double* numbers) const { character_->shape(numbers); }
     /// Where an endpoint is shown, m. Errors: those of built().

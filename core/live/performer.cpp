@@ -42,11 +42,15 @@ double Performer::step(double seconds, double slept) {
         sleep = rests();
         frame.resting = sleep > 0.0;
         frames_.publish();
-        if (sending_) sending_->give(live_);
+        giveFrame();
     } catch (const std::bad_alloc&) {
     }
     stepped_();
     return sleep;
+}
+
+void Performer::giveFrame() {
+    if (sending_ && std::exchange(sentAs_, live_.shows()) != live_.shows()) sending_->give(live_);
 }
 
 double Performer::rests() const {
@@ -94,7 +98,7 @@ void Performer::start() noexcept {
     try {
         const auto built = live_.built();
         if (!built || !*built) return;
-        if (sending_) sending_->give(live_);
+        giveFrame();
         if (feed_ && fedHandles_ != live_.plan().handles) dropFeed();
         // A step would end the display of a take.
         if (inputs_.empty() && (!feed_ || live_.showsTake()) && !live_.inMotion()) return;

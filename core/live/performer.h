@@ -67,7 +67,7 @@ public:
     void feed(std::shared_ptr<InputFeed> feed);
     [[nodiscard]] InputFeed* feed() const { return feed_.get(); }
     /// While it is parked: what is shown is given there from now on. Null: nowhere.
-    void send(SendingThread* to) { sending_ = to; }
+    void send(SendingThread* to) { sending_ = to, sentAs_ = 0; }
     /// From now on frame() and character() show the step that was made last. False: none was made since the last call.
     bool take();
     /// Flesh of two elements met since the last call, and lacks its patches (the effect "contact"): the document says so.
@@ -106,6 +106,8 @@ private:
     std::shared_ptr<InputFeed> feed_;
     std::vector<FaceRef> fedHandles_;  // that feed_ was made for
     SendingThread* sending_ = nullptr;
+    std::uint64_t sentAs_ = 0;         // shows() of the live character that was given there last
+    void giveFrame();
     std::optional<Character> shown_;
     std::vector<double> numbers_;   // of shown_
     std::uint64_t builtAs_ = 0, tunedAs_ = 0;   // of the live character: builds() and tunes() that shown_ has

@@ -66,7 +66,6 @@ void SendingThread::stop() {
 }
 
 void SendingThread::serve() {
-    const auto start = std::chrono::steady_clock::now();
     while (!over_) {
         (void)given_.try_acquire_for(kAgain);
         while (given_.try_acquire()) {}  // the latest frame counts
@@ -74,7 +73,7 @@ void SendingThread::serve() {
         const Given& given = frames_.front();
         const std::lock_guard lock(mutex_);
         if (over_ || given.of != followed_ || given.of == 0) continue;
-        const double time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const double time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         for (Target& target : targets_) {
             if (!target.writer) continue;
             ++target.sent.frames;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -65,6 +66,7 @@ private:
     TripleBuffer<Given> frames_;
     std::atomic<std::uint64_t> followed_{0};
     std::counting_semaphore<> given_{0};
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::atomic<bool> over_{false};
     std::thread thread_;
 };

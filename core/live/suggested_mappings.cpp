@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -270,9 +271,11 @@ void suggestVoice(Suggestion& made, const Document& document, const Limbs& limbs
     bool shaped = false;
     for (const auto& [id, character] : document.characters) {
         const auto expressions = character->rig ? avatarFacts(*character->rig).expressions : std::vector<AvatarExpression>();
-        for (const std::string_view vowel : kVoiceChannels) {
+        std::set<std::string> taken;  // of vowels that share a shape the first one moves it
+        for (const std::string_view vowel : std::span(kVoiceChannels).subspan(1)) {
             const std::string of = "morph/" + character->name + "/";
             const auto show = [&](const std::string& target, double amount) {
+                if (!taken.insert(target).second) return;
                 made.add(vowel, 0, of + target, 0.0, 0.0, amount, kMouthHertz, kLoud);
                 shaped = true;
             };

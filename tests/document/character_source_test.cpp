@@ -638,3 +638,18 @@ TEST_CASE("characters: any commands leave closed pieces, undo leads back to the 
     CHECK(done > 200);
     CHECK(refused > 50);
 }
+
+TEST_CASE("characters: of two embedded models that are alike the latest one is given, which characters that were built lately have") {
+    Workbench w;
+    w.good({{"do", "import-character"}, {"path", "snowman"}});
+    const Document& document = w.session.document();
+    const CharacterSource& character = *document.characters.begin()->second;
+    EmbeddedModels here, there;
+    const auto first = here.of(document, character).mesh, second = there.of(document, character).mesh;
+    REQUIRE(first != second);
+    here.take(there);
+    CHECK(here.of(document, character).mesh == second);
+    CHECK(here.of(document, character).mesh == second);
+    there.take(here);
+    CHECK(there.of(document, character).mesh == second);
+}

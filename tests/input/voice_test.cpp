@@ -112,6 +112,11 @@ TEST_CASE("voice: silence is 0, louder is more, what hums all the time becomes s
     const std::vector<float> broken(3200, std::numeric_limits<float>::quiet_NaN());
     for (const double part : heard(analyser, std::vector<float>(3200, std::numeric_limits<float>::infinity()))) CHECK(part == 0.0);
     CHECK(heard(analyser, broken)[0] == 0.0);
+    // A microphone that was muted, then a quiet room.
+    VoiceAnalyser muted;
+    (void)heard(muted, std::vector<float>(48000, 0.0f));
+    CHECK(heard(muted, silence(0.5))[0] < 0.1);
+    CHECK(heard(muted, voice(0.5, 120.0, {730, 1090, 2440}, 0.5, 1e-3))[0] > 0.7);
     // A fan of half a minute.
     VoiceAnalyser beside;
     std::vector<float> fan = voice(40.0, 100.0, {}, 0.0, 0.02);

@@ -15,6 +15,7 @@
 #include "core/live/sending_thread.h"
 #include "core/live/suggested_mappings.h"
 #include "tests/live/puppet.h"
+#include "tests/support/allocations.h"
 
 using namespace imomushi;
 using namespace std::chrono_literals;
@@ -204,6 +205,59 @@ TEST_CASE("output: a performance is sent as it is made, what stays is sent again
     times = 0;
     CHECK(!listen(1500ms, [&] { return times > 0; }));
     w.session.performOutputs(nullptr);
+}
+
+TEST_CASE("output: of a take that is shown the weights of the take are sent, not those of the document") {
+    Puppet p;
+    p.good({{"do", "precompute"}});
+    const auto weight = [&](double to) { p.good({{"do", "morph"}, {"character", "man"}, {"target", "smile"}, {"weight", to}}); };
+    weight(0.75);
+    p.good({{"do", "record"}, {"take", "grin"}, {"action", "start"}});
+    p.good({{"do", "step"}, {"frames", 3}});
+    p.good({{"do", "record"}, {"take", "grin"}, {"action", "stop"}});
+    weight(0.25);
+    auto port = UdpPort::listen(0);
+    REQUIRE(port);
+    const auto decoder = makeInputDecoder(InputProtocol::Osc, "osc");
+    double told = -1.0;
+    const auto hear = [&](double until) {
+        std::array<std::byte, 65536> room{};
+        for (const auto start = std::chrono::steady_clock::now(); std::abs(told - until) > 1e-6 && std::chrono::steady_clock::now() - start < 20s;) {
+            if (const auto size = port->take(room))
+                decoder->decode(std::span(room).first(*size), 0, [&](const InputValue& value) {
+                    if (value.channel.text() == "/imomushi/morph/man/smile") told = value.numbers[0];
+                });
+            else std::this_thread::sleep_for(1ms);
+        }
+        return told;
+    };
+    SendingThread sending;
+    sending.add(1, OutputProtocol::Osc, UdpTarget::open("127.0.0.1", port->port()).value());
+    p.session.perform([] {});
+    REQUIRE(p.session.builtCharacter());
+    sending.follow(p.session.document(), p.session.plan());
+    p.session.performOutputs(&sending);
+    CHECK(hear(0.25) == doctest::Approx(0.25));
+    p.good({{"do", "play"}, {"take", "grin"}, {"time", 0.0}});
+    CHECK(p.session.showsTake());
+    CHECK(hear(0.75) == doctest::Approx(0.75));
+    p.session.performOutputs(nullptr);
+}
+
+TEST_CASE("output: writing a frame takes no memory once it was written") {
+    Puppet p;
+    p.good({{"do", "precompute"}});
+    const ShownFrame frame = shown(p.session);
+    for (const auto protocol : {OutputProtocol::Vmc, OutputProtocol::Osc}) {
+        FrameWriter writer(protocol, p.session.document(), p.session.plan());
+        std::size_t bytes = 0;
+        const std::function<void(std::span<const std::byte>)> count = [&](std::span<const std::byte> packet) { bytes += packet.size(); };
+        writer.write(frame, 0.0, count);
+        const std::size_t before = allocations();
+        writer.write(frame, 1.0, count);
+        CHECK(allocations() == before);
+        CHECK(bytes > 0);
+    }
 }
 
 TEST_CASE("output: what is no address or no port is refused") {

@@ -49,6 +49,7 @@ QVariant HistoryModel::data(const QModelIndex& index, int role) const {
 }
 
 void HistoryModel::goTo(int row) {
+    if (row == document_.session().position()) return;
     document_.giveUpUnderWay();  // else it would follow on what was not there when it was asked for
     const int by = row - document_.session().position();
     if (by < 0) document_.execute(commands::undo(-by));

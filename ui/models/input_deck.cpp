@@ -53,7 +53,12 @@ InputDeck::InputDeck(StudioDocument& document, TakeDeck& deck, QObject* parent) 
         const bool devices = std::any_of(sources_.begin(), sources_.end(), [this](const Source& s) { return isOfDevices(s.protocol) && wantsDevice(s) != s.open; });
         if (devices || (driven && (listens() || feed_))) followSoon();
         // Another project is not performed by what was learned for the last one.
-        if (change.unknown) stopLearning();
+        if (change.unknown) {
+            stopLearning();
+            faders_.clear();
+            thread_.forget(kWindow);
+            speaks_ = false;
+        }
         if (change.has(&DocumentChange::cycles)) dropFaders();
     });
     connect(&document, &StudioDocument::frameStepped, this, &InputDeck::takeHold);
@@ -210,7 +215,7 @@ bool InputDeck::wantsKey(std::string_view key) const {
     if (!isKeyName(key)) return false;
     const KeyStick* stick = keyStick(key);
     const auto& rows = document_.document().mappings;
-    const bool performs = waits() == Waits::No, solo = anySolo(document_.document());
+    const bool performs = waits() == Waits::No || waits() == Waits::LetGo, solo = anySolo(document_.document());
     // Triggers act while inputs wait, too.
     const auto acts = [&](const InputMapping& m) { return !heardRow(m, solo).muted && (performs || m.target.starts_with("take/") || m.target.starts_with("trigger/")); };
     return std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
@@ -252,8 +257,8 @@ void InputDeck::add(InputProtocol protocol) {
     const auto taken = [&](const auto& is) { return std::any_of(sources_.begin(), sources_.end(), is); };
     source.name = protocolName(protocol);
     for (int i = 2; taken([&](const Source& s) { return s.name == source.name; }); ++i) source.name = std::string(protocolName(protocol)) + std::to_string(i);
-    source.on = isOfDevices(protocol);
-    if (!source.on) {
+    source.on = isOnAtFirst(protocol);
+    if (!isOfDevices(protocol)) {
         source.port = protocol == InputProtocol::Vmc ? kVmcPort : kOscPort;
         while (taken([&](const Source& s) { return s.port == source.port; })) ++source.port;
     }
@@ -353,6 +358,15 @@ void InputDeck::takeHold() {
 void InputDeck::wait(Waits why) {
     waits_ = why;
     thread_.hold(why != Waits::No);
+    // What moves nothing runs nothing either: goOn() makes a new feed.
+    if (why == Waits::Undone || why == Waits::Refused) {
+        document_.performInputs(nullptr);
+        feed_.reset();
+        for (auto& [cycle, faders] : faders_) {
+            faders.amount = 0.0;
+            sayFaders(cycle, faders);
+        }
+    }
     Q_EMIT changed();
 }
 
@@ -371,10 +385,10 @@ InputDeck::CycleFaders InputDeck::cycleFaders(const std::string& cycle) const {
 }
 
 void InputDeck::playCycle(const std::string& cycle, const CycleFaders& to) {
-    const CycleFaders was = cycleFaders(cycle);
     faders_.insert_or_assign(cycle, to);
+    if (!speaks_ && to.amount == 0.0) return;
     // Who draws a fader up wants to see it move.
-    if (was.amount == 0.0 && to.amount != 0.0) {
+    if (to.amount != 0.0) {
         holdsAnyway_ = true;
         if (waits_ != Waits::No) goOn();
     }

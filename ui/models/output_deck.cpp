@@ -24,7 +24,7 @@ OutputDeck::OutputDeck(StudioDocument& document, QObject* parent) : QObject(pare
     connect(&timer_, &QTimer::timeout, this, &OutputDeck::tell);
     connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
         const bool other = change.unknown || !change.elements.empty() || !change.joints.empty() || !change.bones.empty() || !change.characters.empty();
-        if (!other || !thread_.sends()) return;
+        if (!(other || paused_) || !thread_.sends()) return;
         thread_.pause();  // what is there now has other names
         followSoon();
     });
@@ -63,7 +63,7 @@ void OutputDeck::keep() const {
 
 void OutputDeck::open(Receiver& receiver) {
     receiver.sent = {};
-    receiver.perSecond = 0.0;
+    receiver.frames = receiver.lost = 0;
     receiver.trouble.clear();
     auto opened = UdpTarget::open(receiver.host, std::uint16_t(receiver.port));
     receiver.on = opened.has_value();
@@ -84,7 +84,7 @@ void OutputDeck::setOn(std::size_t index, bool on) {
 
 void OutputDeck::setHost(std::size_t index, const std::string& host) {
     Receiver& receiver = receivers_.at(index);
-    if (host == receiver.host || host.empty()) return;
+    if (host == receiver.host || host.empty()) return Q_EMIT changed();
     const bool on = receiver.on || !receiver.trouble.isEmpty();
     setOn(index, false);
     receiver.host = host;
@@ -95,7 +95,7 @@ void OutputDeck::setHost(std::size_t index, const std::string& host) {
 
 void OutputDeck::setPort(std::size_t index, int port) {
     Receiver& receiver = receivers_.at(index);
-    if (port == receiver.port || port < 1 || port > kHighestPort) return;
+    if (port == receiver.port || port < 1 || port > kHighestPort) return Q_EMIT changed();
     const bool on = receiver.on || !receiver.trouble.isEmpty();
     setOn(index, false);
     receiver.port = port;
@@ -137,8 +137,9 @@ void OutputDeck::follow() {
     }
     if (!timer_.isActive()) timer_.start();
     const auto alive = document_.session().builtCharacter();
-    if (!alive || !*alive) return thread_.pause();
-    thread_.follow(document_.document(), document_.session().plan());
+    paused_ = !alive || !*alive;
+    if (paused_) thread_.pause();
+    else thread_.follow(document_.document(), document_.session().plan());
     document_.performOutputs(&thread_);
 }
 
@@ -146,7 +147,8 @@ void OutputDeck::tell() {
     for (Receiver& receiver : receivers_) {
         const auto sent = thread_.sent(receiver.key);
         if (!sent) continue;
-        receiver.perSecond = 1e3 / kTellMs * double(sent->frames - receiver.sent.frames);
+        receiver.frames = sent->frames - receiver.sent.frames;
+        receiver.lost = sent->lost - receiver.sent.lost;
         receiver.sent = *sent;
     }
     Q_EMIT told();

@@ -16,7 +16,7 @@ class OutputDeck : public QObject {
     Q_OBJECT
 public:
     static constexpr std::size_t kMostReceivers = 16;
-    static constexpr int kTellMs = 250;
+    static constexpr int kTellMs = 1000;
 
     struct Receiver {
         int key = 0;               ///< tells them apart as long as the program runs
@@ -26,7 +26,7 @@ public:
         bool on = false;
         QString trouble;           ///< why it could not be switched on; empty: it could
         SendingThread::Sent sent;
-        double perSecond = 0.0;    ///< frames, lately
+        std::uint64_t frames = 0, lost = 0;  ///< frames, and packets that nobody took, in the last second
     };
 
     explicit OutputDeck(StudioDocument& document, QObject* parent = nullptr);
@@ -57,6 +57,7 @@ private:
     std::vector<Receiver> receivers_;
     SendingThread thread_;
     int keys_ = 0;
+    bool paused_ = false;          // the character could not be built
     bool scheduled_ = false;
     QTimer timer_;
 };

@@ -6,6 +6,7 @@
 
 #include "core/document/document_change.h"
 #include "core/session/prepared_step.h"
+#include "ui/models/commands.h"
 #include "ui/models/failures.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
@@ -118,6 +119,23 @@ void StudioDocument::setUnderWay(std::vector<Json> commands) {
     if (commands == underWay_) return;
     underWay_ = std::move(commands);
     Q_EMIT underWayChanged();
+}
+
+bool StudioDocument::turnedOn(EffectKind effect) const {
+    bool on = document().effects.has(effect);
+    for (const Json& command : underWay_)
+        for (const bool to : {false, true})
+            if (command == commands::setEnabled(effect, to)) on = to;
+    return on;
+}
+
+bool StudioDocument::turnedOn(EffectKind effect, PartId element) const {
+    bool on = document().effects.has(effect, element);
+    const std::string& name = document().elements.at(element)->name;
+    for (const Json& command : underWay_)
+        for (const bool to : {false, true})
+            if (command == commands::setEnabled(effect, to) || command == commands::setEnabled(effect, to, name)) on = to;
+    return on;
 }
 
 void StudioDocument::executeAtOnce(const SlowStep& step) {

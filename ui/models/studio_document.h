@@ -51,6 +51,9 @@ public:
     /// The commands that are being done beside the window or wait for that, in their order: what they will make of the document.
     void setUnderWay(std::vector<Json> commands);
     [[nodiscard]] const std::vector<Json>& underWay() const { return underWay_; }
+    /// Whether an effect is on, or on an element, when what is under way is done: what switches show.
+    [[nodiscard]] bool turnedOn(EffectKind effect) const;
+    [[nodiscard]] bool turnedOn(EffectKind effect, PartId element) const;
     /// The same as execute(), of a command whose work was done beside the window.
     Result<Json> executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step);
     /// What slow commands ask for; the studio answers from what was done beside the window.

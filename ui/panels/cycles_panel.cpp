@@ -38,7 +38,8 @@ std::optional<double> secondsFrom(QString text) {
 
 /// Its poses were made with it, by suggest-cycles.
 bool hasPosesOfItsOwn(const Cycle& cycle) {
-    return std::ranges::all_of(cycle.poses, [&](const std::string& pose) { return pose.starts_with(cycle.name + " "); });
+    int number = 0;
+    return std::ranges::all_of(cycle.poses, [&](const std::string& pose) { return pose == cycle.name + " " + std::to_string(++number); });
 }
 
 }  // namespace
@@ -192,7 +193,7 @@ void CyclesPanel::rename(const QString& cycle, const QString& name) {
     if (!document_.execute(commands::renameCycle(cycle.toStdString(), name.toStdString()))) return follow();
     choose(name);
     // It goes on under its new name.
-    if (faders.amount != 0.0) inputs_.playCycle(name.toStdString(), faders);
+    inputs_.playCycle(name.toStdString(), faders);
     followFaders();
 }
 
@@ -232,7 +233,7 @@ void CyclesPanel::retranslate() {
     list_->setAccessibleName(tr("Cycles"));
     empty_->setText(tr("No cycles yet: movements that repeat through kept poses. Suggest some, or choose poses and make one of them."));
     suggest_->setToolTip(tr("Suggest cycles and their poses from the skeleton: crawl, sway, breathe"));
-    remove_->setToolTip(tr("Remove the cycle"));
+    remove_->setToolTip(tr("Remove the cycle, and the poses that were suggested with it"));
     for (QToolButton* b : {suggest_, remove_}) b->setAccessibleName(b->toolTip());
     amountLabel_->setText(tr("Amount"));
     speedLabel_->setText(tr("Speed"));

@@ -196,7 +196,7 @@ void EffectsPanel::rebuild() {
         r.needs->hide();
         r.layout->addWidget(r.needs);
         all->addWidget(holder);
-        connect(r.button, &Switch::clicked, this, [this, effect] { turn(effect, !turnedOn(effect)); });
+        connect(r.button, &Switch::clicked, this, [this, effect] { turn(effect, !document_.turnedOn(effect)); });
     }
     all->addStretch(1);
     setWidget(body);
@@ -213,14 +213,6 @@ void EffectsPanel::turn(EffectKind effect, bool on) {
     refresh();
 }
 
-bool EffectsPanel::turnedOn(EffectKind effect) const {
-    bool on = document_.document().effects.has(effect);
-    for (const Json& command : document_.underWay())
-        for (const bool to : {false, true})
-            if (command == commands::setEnabled(effect, to)) on = to;
-    return on;
-}
-
 void EffectsPanel::refresh() {
     scheduled_ = false;
     for (std::size_t k = 0; k < kEffects; ++k) {
@@ -228,7 +220,7 @@ void EffectsPanel::refresh() {
         Row& r = rows_[k];
         const bool on = document_.document().effects.has(effect);
         if (on && r.offer && !comparison_) r.offer->hide();
-        r.button->setChecked(turnedOn(effect));
+        r.button->setChecked(document_.turnedOn(effect));
         if (on && !r.settings && (!effectProperties(effect).empty() || isOfElements(effect) || effectDescriptor(effect).canBeAutomatic)) buildSettings(effect);
         if (!on && r.settings) {
             gesture_.reset();
@@ -473,7 +465,7 @@ void EffectsPanel::addElements(Row& r, QGridLayout& grid, EffectKind effect) {
         everywhere->setChecked(d.effects[effect].elements.empty());
         menu->addSeparator();
         for (const auto& [id, element] : d.elements) {
-            const bool has = d.effects.has(effect, id);
+            const bool has = document_.turnedOn(effect, id);
             QString text = QString::fromStdString(element->name);
             text.replace(u'&', QStringLiteral("&&"));
             QAction* action = menu->addAction(text, this, [this, effect, has, target = element->name] {

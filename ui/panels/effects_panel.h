@@ -79,8 +79,6 @@ private:
     void addNumber(Row& row, QGridLayout& grid, EffectKind effect, const EffectProperty& property, int part);
     void addElements(Row& row, QGridLayout& grid, EffectKind effect);
     void turn(EffectKind effect, bool on);
-    /// With what is under way.
-    [[nodiscard]] bool turnedOn(EffectKind effect) const;
     [[nodiscard]] Row& row(EffectKind effect) { return rows_[std::size_t(effect)]; }
 
     StudioDocument& document_;

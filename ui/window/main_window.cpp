@@ -307,7 +307,7 @@ void MainWindow::connectSteps() {
     overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
     steps_->job().setAfterwards([](const Document& made) { makePicking(made.elements, made.characters); });
-    document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); }, [this] { steps_->cancel(); });
+    document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); }, [this] { steps_->giveUp(); });
     connect(steps_, &StepFlow::changed, viewport_, [this] { viewport_->redraw(); });  // what stood where it is going is there, or back
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
     // What comes next is out of the way while it is being done, also by changing a proposal, which has a banner there.

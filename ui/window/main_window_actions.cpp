@@ -380,7 +380,8 @@ void MainWindow::mirror(char axis) {
 void MainWindow::record() {
     if (deck_->recording() || deck_->counting()) return deck_->stopRecording();
     showStart(false);
-    if (!stageMode_->on()) StudioDocks::raise(takes());
+    // Whoever performs by the faders of cycles, or looks at meters, keeps them.
+    if (!stageMode_->on() && !live().isVisible() && !docks_->poses().isVisible()) StudioDocks::raise(takes());
     // What is performed is dragged or touched.
     if (viewport_->tools().kind() != ToolKind::Pose && viewport_->tools().kind() != ToolKind::Touch) viewport_->tools().setTool(ToolKind::Pose);
     deck_->startRecording();

@@ -22,7 +22,7 @@ StepFlow::StepFlow(StudioDocument& document, std::function<bool()> busy, QObject
         if (completed) return finish();
         waiting_.clear();
         tell();
-        Q_EMIT cancelled();
+        if (!quiet_) Q_EMIT cancelled();
     });
 }
 
@@ -54,14 +54,20 @@ void StepFlow::cancel() {
     if (waiting_.empty()) return;
     waiting_.clear();
     tell();
-    Q_EMIT cancelled();
+    if (!quiet_) Q_EMIT cancelled();
+}
+
+void StepFlow::giveUp() {
+    quiet_ = true;
+    cancel();
+    quiet_ = false;
 }
 
 void StepFlow::cancelLatest() {
     if (waiting_.size() <= 1) return cancel();
     waiting_.pop_back();
     tell();
-    Q_EMIT cancelled();
+    if (!quiet_) Q_EMIT cancelled();
 }
 
 void StepFlow::next() {

@@ -27,6 +27,8 @@ public:
     void start(SlowStep step);
     /// Gives up what is being done and what waits.
     void cancel();
+    /// The same without a word: whoever asks for it does something else.
+    void giveUp();
     /// No command was executed since the last one of them was asked for.
     [[nodiscard]] bool isLatest() const { return !waiting_.empty() && waiting_.back().position == document_.session().position(); }
     /// Gives up the one that was asked for last.
@@ -51,6 +53,7 @@ private:
     };
     std::deque<Waiting> waiting_;
     int tries_ = 0;
+    bool quiet_ = false;
     bool takingOver_ = false;  // what follows a step may ask for another
     Document begun_;           // that the job works on
 };

@@ -133,13 +133,13 @@ void ElementForm::addEffects(const Items& items) {
         grid_->setAlignment(button, Qt::AlignLeft | Qt::AlignVCenter);
         button->setToolTip(effectHelp(effect));
         const auto everywhere = [this, items, effect] {
-            return std::all_of(items.begin(), items.end(), [&](const SelectionItem& item) { return now().effects.has(effect, item.part); });
+            return std::all_of(items.begin(), items.end(), [&](const SelectionItem& item) { return element(item) && document_.turnedOn(effect, item.part); });
         };
         connect(button, &Switch::clicked, this, [this, items, effect, everywhere] {
             const bool on = !everywhere();
             std::vector<Json> wanted;
             for (const SelectionItem& item : items)
-                if (element(item) && now().effects.has(effect, item.part) != on) wanted.push_back(commands::setEnabled(effect, on, path(item)));
+                if (element(item) && document_.turnedOn(effect, item.part) != on) wanted.push_back(commands::setEnabled(effect, on, path(item)));
             if (wanted.size() == 1) document_.executeSlow({wanted.front()});
             else executeTogether(document_, wanted);
         });

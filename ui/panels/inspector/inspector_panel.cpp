@@ -26,6 +26,7 @@ InspectorPanel::InspectorPanel(StudioDocument& document, QWidget* parent) : QScr
     connect(&document, &StudioDocument::structureChanged, this, &InspectorPanel::updateSoon);
     connect(&document, &StudioDocument::poseChanged, this, &InspectorPanel::updateSoon);
     connect(&document, &StudioDocument::responsesChanged, this, &InspectorPanel::updateSoon);
+    connect(&document, &StudioDocument::underWayChanged, this, &InspectorPanel::updateSoon);
     connect(&document, &StudioDocument::estimated, this, &InspectorPanel::updateSoon);
     connect(&document, &StudioDocument::fileChanged, this, &InspectorPanel::updateSoon);
     // Positions that change with every frame are told a few times a second.

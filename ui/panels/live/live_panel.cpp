@@ -116,7 +116,7 @@ void LivePanel::takeSizes() {
 
 QString LivePanel::guide() const {
     const bool heard = std::any_of(inputs_.sources().begin(), inputs_.sources().end(), [](const InputDeck::Source& s) { return s.open && (s.heard.counts.packets > 0 || !s.heard.device.empty()); });
-    if (!inputs_.hears()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
+    if (!inputs_.listens()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
     switch (inputs_.waits()) {
         case InputDeck::Waits::LetGo: return tr("Everything was let go. Inputs move nothing until you continue.");
         case InputDeck::Waits::Undone: return tr("What inputs held was undone. They move nothing until you continue.");
@@ -125,7 +125,7 @@ QString LivePanel::guide() const {
         case InputDeck::Waits::NoCharacter: return tr("There is no character to perform yet. Open a sample, or make a mesh soft.");
         case InputDeck::Waits::No: break;
     }
-    if (!heard) return tr("Plug: nothing has come yet. On the left is what is waited for.");
+    if (inputs_.hears() && !heard) return tr("Plug: nothing has come yet. On the left is what is waited for.");
     if (model_->rowCount() == 0) return tr("Learn: choose what is to move, press Learn, and move a control.");
     const QString keys = actions_["record"]->shortcut().toString(QKeySequence::NativeText);
     if (deck_.recording()) return tr("Record: all that you see is kept.");

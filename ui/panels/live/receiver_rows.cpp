@@ -30,9 +30,9 @@ QString stateText(const Receiver& receiver) {
     if (!receiver.trouble.isEmpty()) return receiver.trouble;
     if (!receiver.on) return {};
     if (receiver.sent.frames == 0) return ReceiverRows::tr("On. Nothing was sent yet.");
-    QString text = ReceiverRows::tr("%1 frames/s are sent.").arg(QLocale().toString(receiver.perSecond, 'f', 0));
-    if (receiver.sent.lost > 0) text += u' ' + ReceiverRows::tr("Nobody took %1 packets: does the other program listen?").arg(QLocale().toString(qulonglong(receiver.sent.lost)));
-    return text;
+    if (receiver.lost > 0) return ReceiverRows::tr("Nobody takes what is sent: does the other program listen?");
+    if (receiver.frames <= 1) return ReceiverRows::tr("On. What stands still is sent once a second.");
+    return ReceiverRows::tr("%1 frames/s are sent.").arg(QLocale().toString(qulonglong(receiver.frames)));
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ void ReceiverRows::addRow(std::size_t i) {
     row.port = named(new QLineEdit(row.all), ("port-of-receiver-" + number).c_str());
     row.port->setValidator(new QIntValidator(1, 65535, row.port));
     row.port->setAccessibleName(tr("Port of %1", "a receiver").arg(name));
-    row.port->setFixedWidth(px(56));
+    row.port->setFixedWidth(px(66));
     connect(row.port, &QLineEdit::editingFinished, this, [this, i, port = row.port] { outputs_.setPort(i, port->text().toInt()); });
     auto* remove = new QToolButton(row.all);
     remove->setProperty("small", true);
@@ -95,7 +95,8 @@ void ReceiverRows::addRow(std::size_t i) {
     row.state = named(new QLabel(row.all), ("state-of-receiver-" + number).c_str());
     row.state->setWordWrap(true);
     row.state->setContentsMargins(row.on->sizeHint().width() + px(8), 0, 0, 0);
-    fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, Share{row.host, 1}, row.port, remove), row.state);
+    fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, fill(new QHBoxLayout, Spacing{px(8)}, row.on, title, Stretch{}, remove),
+         fill(new QHBoxLayout, Spacing{px(8)}, Space{row.on->sizeHint().width()}, Share{row.host, 1}, row.port), row.state);
     list_->addWidget(row.all);
     rows_.push_back(row);
 }
@@ -115,7 +116,7 @@ void ReceiverRows::tell() {
     const auto& receivers = outputs_.receivers();
     for (std::size_t i = 0; i < rows_.size() && i < receivers.size(); ++i) {
         QLabel* state = rows_[i].state;
-        const char* role = receivers[i].trouble.isEmpty() && receivers[i].sent.lost == 0 ? "muted" : "warning";
+        const char* role = receivers[i].trouble.isEmpty() && receivers[i].lost == 0 ? "muted" : "warning";
         if (state->property("role").toString() != QLatin1String(role)) {
             styled(state, role);
             state->style()->polish(state);
