@@ -500,8 +500,8 @@
             <translation>VMC で体と顔を対応づける(&amp;V)</translation>
         </message>
         <message>
-            <source>Map a micropho&amp;ne</source>
-            <translation>マイクを対応づける(&amp;N)</translation>
+            <source>Map a microp&amp;hone</source>
+            <translation>マイクを対応づける(&amp;H)</translation>
         </message>
         <message>
             <source>Gizmo: a&amp;ll</source>

@@ -116,7 +116,7 @@ constexpr Row kRows[] = {
     {"suggest-keys", "keyboard", QT_TRANSLATE_NOOP("Actions", "Map the &keyboard"), ""},
     {"suggest-pad", "live", QT_TRANSLATE_NOOP("Actions", "Map a game &controller"), ""},
     {"suggest-vmc", "live", QT_TRANSLATE_NOOP("Actions", "Map a body and a face by &VMC"), ""},
-    {"suggest-voice", "live", QT_TRANSLATE_NOOP("Actions", "Map a micropho&ne"), ""},
+    {"suggest-voice", "live", QT_TRANSLATE_NOOP("Actions", "Map a microp&hone"), ""},
     {"load-mappings", "open", QT_TRANSLATE_NOOP("Actions", "Load mappin&gs…"), ""},
     {"save-mappings", "save", QT_TRANSLATE_NOOP("Actions", "Save mapping&s…"), ""},
     {"count-in", "count-in", QT_TRANSLATE_NOOP("Actions", "&Count three seconds before recording"), "", true},
