@@ -39,24 +39,27 @@ Json deviceFrom(const std::string& protocol, const std::string& text) {
     return {{"protocol", protocol}, {"name", name}, {"device", device == kAnyDevice ? "" : device}};
 }
 
+std::optional<int> portFrom(const std::string& text) {
+    int number = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+    return read.ec == std::errc() && read.ptr == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
 std::optional<Json> sourceFrom(const std::string& protocol, const std::string& text) {
     const auto equals = text.rfind('=');
-    const std::string name = equals == std::string::npos ? protocol : text.substr(0, equals), port = equals == std::string::npos ? text : text.substr(equals + 1);
-    int number = 0;
-    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
-    if (read.ec != std::errc() || read.ptr != port.data() + port.size() || name.empty()) return std::nullopt;
-    return Json{{"protocol", protocol}, {"port", number}, {"name", name}};
+    const std::string name = equals == std::string::npos ? protocol : text.substr(0, equals);
+    const auto port = portFrom(equals == std::string::npos ? text : text.substr(equals + 1));
+    if (!port || name.empty()) return std::nullopt;
+    return Json{{"protocol", protocol}, {"port", *port}, {"name", name}};
 }
 
 std::optional<Json> receiverFrom(const std::string& text) {
     const auto equals = text.find('='), colon = text.rfind(':');
     if (equals == std::string::npos) return std::nullopt;
     const bool named = colon != std::string::npos && colon > equals;
-    const std::string port = text.substr((named ? colon : equals) + 1);
-    int number = 0;
-    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
-    if (read.ec != std::errc() || read.ptr != port.data() + port.size()) return std::nullopt;
-    Json made{{"protocol", text.substr(0, equals)}, {"port", number}};
+    const auto port = portFrom(text.substr((named ? colon : equals) + 1));
+    if (!port) return std::nullopt;
+    Json made{{"protocol", text.substr(0, equals)}, {"port", *port}};
     if (named) made["host"] = text.substr(equals + 1, colon - equals - 1);
     return made;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/input/pad_packet.h"
+#include "core/input/sdl_parts.h"
 
 namespace imomushi {
 
@@ -53,21 +54,19 @@ class PadPort::Hub {
 public:
     static Result<std::shared_ptr<Hub>> get() {
         static std::weak_ptr<Hub> known;
-        const std::lock_guard lock(life());
+        const std::lock_guard lock(sdlMutex());
         if (auto hub = known.lock()) return hub;
-        SDL_SetMainReady();
-        SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
         // The system's own drivers: SDL's would open pads that nobody asked for.
         SDL_SetHint(SDL_HINT_JOYSTICK_HIDAPI, "0");
         SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");  // it knows no window of ours
-        if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return fail("no-devices", std::string("Game controllers cannot be had on this machine (") + SDL_GetError() + ").");
+        if (auto ok = beginSdlPart(SDL_INIT_GAMECONTROLLER, "Game controllers"); !ok) return tl::unexpected(ok.error());
         auto hub = std::shared_ptr<Hub>(new Hub);
         known = hub;
         return hub;
     }
     ~Hub() {
-        const std::lock_guard lock(life());
-        SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+        const std::lock_guard lock(sdlMutex());
+        endSdlPart(SDL_INIT_GAMECONTROLLER);
     }
     Hub(const Hub&) = delete;
     Hub& operator=(const Hub&) = delete;
@@ -113,11 +112,6 @@ private:
         Locked& operator=(const Locked&) = delete;
     };
     Hub() = default;
-    /// SDL begins and ends on one thread at a time.
-    static std::mutex& life() {
-        static std::mutex mutex;
-        return mutex;
-    }
 
     void pump() {
         SDL_GameControllerUpdate();

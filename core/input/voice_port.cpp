@@ -8,6 +8,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/input/sdl_parts.h"
 #include "core/input/voice_packet.h"
 
 namespace imomushi {
@@ -27,24 +28,22 @@ class VoicePort::Sound {
 public:
     static Result<std::shared_ptr<Sound>> get() {
         static std::weak_ptr<Sound> known;
-        const std::lock_guard lock(life());
+        const std::lock_guard lock(sdlMutex());
         if (auto sound = known.lock()) return sound;
-        SDL_SetMainReady();
-        SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
-        if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0) return fail("no-devices", std::string("Microphones cannot be had on this machine (") + SDL_GetError() + ").");
+        if (auto ok = beginSdlPart(SDL_INIT_AUDIO, "Microphones"); !ok) return tl::unexpected(ok.error());
         auto sound = std::shared_ptr<Sound>(new Sound);
         known = sound;
         return sound;
     }
     ~Sound() {
-        const std::lock_guard lock(life());
-        SDL_QuitSubSystem(SDL_INIT_AUDIO);
+        const std::lock_guard lock(sdlMutex());
+        endSdlPart(SDL_INIT_AUDIO);
     }
     Sound(const Sound&) = delete;
     Sound& operator=(const Sound&) = delete;
 
     [[nodiscard]] std::vector<std::string> names() const {
-        const std::lock_guard lock(life());  // asking for their number makes the list anew
+        const std::lock_guard lock(sdlMutex());  // asking for their number makes the list anew
         std::vector<std::string> names;
         for (int i = 0; i < SDL_GetNumAudioDevices(1); ++i)
             if (const char* name = SDL_GetAudioDeviceName(i, 1)) names.emplace_back(name);
@@ -63,11 +62,6 @@ public:
 
 private:
     Sound() = default;
-    /// SDL begins and ends on one thread at a time.
-    static std::mutex& life() {
-        static std::mutex mutex;
-        return mutex;
-    }
 };
 
 Result<std::unique_ptr<VoicePort>> VoicePort::open(std::string_view wanted) {

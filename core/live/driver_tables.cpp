@@ -147,6 +147,10 @@ struct InputDriver::Tables {
         return &turned.emplace_back(made);
     }
 
+    [[nodiscard]] bool endIsPinned(std::size_t bone) const {
+        return std::ranges::any_of(document.goals, [&](const auto& goal) { return goal.second.pinned && plan.pointIndex(goal.first) == plan.input.skeleton.bones[bone].end; });
+    }
+
     /// Bones between two that are turned go along with the upper one, and carry the lower one.
     void addBetween() {
         std::vector<char> known(plan.bones.size(), 0);
@@ -161,7 +165,10 @@ struct InputDriver::Tables {
                 MappedTarget target;
                 target.kind = Kind::BoneTurn;
                 target.end = {plan.bones[static_cast<std::size_t>(bone)], true};
-                if (Turned* made = findTurned(target)) made->between = true;
+                if (Turned* made = findTurned(target)) {
+                    made->between = true;
+                    made->pinned = endIsPinned(static_cast<std::size_t>(bone));
+                }
                 known[static_cast<std::size_t>(bone)] = 1;
             }
         }
@@ -311,7 +318,7 @@ struct InputDriver::Tables {
             const Turned* was = turnedBefore(bone->part);
             bone->baseLength = was && before->poses_ ? was->length : (pose.points[static_cast<std::size_t>(bones[b].end)] - pose.points[static_cast<std::size_t>(bones[b].start)]).norm() / bones[b].length;
             const bool turnedByRow = std::ranges::any_of(bone->slotNumbers, [](int slot) { return slot >= 0; });
-            bone->pinned = !turnedByRow && std::ranges::any_of(document.goals, [&](const auto& goal) { return goal.second.pinned && plan.pointIndex(goal.first) == bones[b].end; });
+            bone->pinned = !turnedByRow && endIsPinned(b);
         }
         return parts;
     }

@@ -246,3 +246,40 @@ TEST_CASE("driver: taking and stepping allocate nothing") {
     CHECK(moved > 3);
     CHECK(after == before);
 }
+
+TEST_CASE("driver: a bone between two that are turned goes along with the upper one and carries the lower one, but its end stays where it is pinned") {
+    for (const bool pinned : {false, true}) {
+        CAPTURE(pinned);
+        Workbench w;
+        for (int i = 0; i < 3; ++i) w.good({{"do", "import-element"}, {"path", "bar" + std::to_string(i)}, {"name", std::string(1, static_cast<char>('A' + i))}});
+        std::string parent;
+        for (int i = 0; i < 3; ++i) {
+            const std::string name(1, static_cast<char>('a' + i));
+            w.good({{"do", "add-bone"}, {"name", name}, {"element", std::string(1, static_cast<char>('A' + i))}, {"from", parent.empty() ? Json{0.5, 0.5, 0.0} : Json(parent + "/end")}, {"to", {0.5, 0.5, 3.0 * (i + 1)}}});
+            parent = name;
+        }
+        if (pinned) w.good({{"do", "pin"}, {"endpoint", "b/end"}});
+        for (const char* bone : {"a", "c"}) w.good({{"do", "map-input"}, {"source", "body"}, {"channel", bone}, {"target", std::string("bone/") + bone + "/turn-x"}, {"in", {-2, 2}}});
+        REQUIRE(w.session.builtCharacter());
+        InputDriver driver(w.session.document(), w.session.plan(), {});
+        const double angle = 0.5;
+        CHECK(driver.take(valueOf("body", "a", {angle})));
+        std::map<EndpointRef, Vec3> last;
+        for (int i = 0; i < 60; ++i)
+            for (const LiveInput& input : driver.step(kStep)) last[input.end] = input.target;
+        const auto at = [&](const char* end) {
+            const int point = w.session.plan().pointIndex(*w.session.document().endpoint(end));
+            for (const auto& [of, target] : last)
+                if (w.session.plan().pointIndex(of) == point) return std::optional(target);
+            return std::optional<Vec3>();
+        };
+        const Eigen::AngleAxisd turn(angle, Vec3::UnitX());
+        const Vec3 root(0.5, 0.5, 0.0);
+        REQUIRE(at("a/end"));
+        CHECK((*at("a/end") - (root + turn * Vec3(0, 0, 3))).norm() < 1e-9);
+        CHECK(at("b/end").has_value() == !pinned);
+        if (!pinned) CHECK((*at("b/end") - (root + turn * Vec3(0, 0, 6))).norm() < 1e-9);
+        REQUIRE(at("c/end"));
+        CHECK((*at("c/end") - (root + turn * Vec3(0, 0, 9))).norm() < 1e-9);
+    }
+}

@@ -3,9 +3,14 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 
+#include "core/input/input_decoder.h"
+#include "core/input/udp_port.h"
 #include "core/mesh/write_mesh.h"
 #include "tests/run/performed.h"
 #include "tests/support/obj.h"
@@ -301,6 +306,38 @@ TEST_CASE("live: the keyboard is not heard without a window, and that is said") 
 )");
     CHECK(run.status == 0);
     CHECK(run.err.find("keys is not heard") != std::string::npos);
+}
+
+TEST_CASE("live: another program that listens is told where handles are, each step and while all stands still; an address that is none is refused") {
+    makeEgg();
+    auto port = UdpPort::listen(0);
+    REQUIRE(port);
+    const Run run = performed("live --osc 0 --vmc 0 --seconds 1.5 --send osc=" + std::to_string(port->port()) + " egg.imomushi", "python3 \"$senders/wave.py\" $osc 0.5 /imomushi/handle/top/position 0.3 0.1 1.6 0 0 0.2");
+    INFO(run.out << run.err);
+    REQUIRE(run.status == 0);
+    const Json& answer = run.answers.back();
+    CHECK(answer["sent"]["lost"] == 0);
+    const auto decoder = makeInputDecoder(InputProtocol::Osc, "osc");
+    std::array<std::byte, 65536> room{};
+    std::optional<Vec3> first, last;
+    int packets = 0;
+    while (const auto size = port->take(room)) {
+        ++packets;
+        decoder->decode(std::span(room).first(*size), 0, [&](const InputValue& value) {
+            if (value.channel.text() != "/imomushi/handle/top/position") return;
+            last = Vec3(value.numbers[0], value.numbers[1], value.numbers[2]);
+            if (!first) first = last;
+        });
+    }
+    CHECK(packets == answer["sent"]["packets"].get<int>());
+    CHECK(decoder->counts().malformed == 0);
+    REQUIRE(first);
+    CHECK((*last - *first).norm() > 0.1);  // from rest to where it was led
+    const Run refused = script(R"({"do":"open","path":"egg.imomushi"}
+{"do":"live","sources":[{"protocol":"osc","port":0}],"seconds":1,"send":[{"protocol":"vmc","host":"stage","port":9000}]}
+)");
+    CHECK(refused.status != 0);
+    CHECK(refused.answers.back()["error"]["code"] == "no-address");
 }
 
 TEST_CASE("live: there are mappings of a pad for each sample, and all that they drive is there") {

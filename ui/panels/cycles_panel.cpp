@@ -17,6 +17,8 @@
 #include "ui/models/commands.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/list_keys.h"
+#include "ui/widgets/number_field.h"
 
 namespace imomushi {
 namespace {
@@ -26,15 +28,6 @@ constexpr int kListHigh = 48, kFaderWide = 90, kBesideFaders = 12;  // pixels of
 constexpr int kCycleName = 0, kCycleRound = 1;  // columns
 // Of the faders: a hundred is the whole of a cycle, and the speed that it was made with.
 constexpr int kWholeCycle = 100, kSlowestFader = -200, kFastestFader = 300;
-
-/// "1.5", "1,5 s" in the language of the program.
-std::optional<double> secondsFrom(QString text) {
-    text.remove(QStringLiteral("s")).remove(QStringLiteral("秒"));
-    bool good = false;
-    double seconds = QLocale().toDouble(text.trimmed(), &good);
-    if (!good) seconds = text.trimmed().toDouble(&good);
-    return good ? std::optional(seconds) : std::nullopt;
-}
 
 /// Its poses were made with it, by suggest-cycles.
 bool hasPosesOfItsOwn(const Cycle& cycle) {
@@ -198,7 +191,7 @@ void CyclesPanel::rename(const QString& cycle, const QString& name) {
 }
 
 void CyclesPanel::setSeconds(const QString& cycle, const QString& text) {
-    const auto seconds = secondsFrom(text);
+    const auto seconds = NumberField::numberIn(text, tr("%1 s", "how long a round takes").arg(QString()).trimmed());
     if (!seconds || !document_.execute(commands::addCycle(cycle.toStdString(), {}, *seconds))) follow();
 }
 
@@ -212,19 +205,7 @@ bool CyclesPanel::eventFilter(QObject* watched, QEvent* event) {
         watched == amount_ ? amount_->setValue(0) : speed_->setValue(kWholeCycle);
         return true;
     }
-    if (watched == list_ && (event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress)) {
-        // These keys are for the list while it has the focus, not for what is selected in the view.
-        const int key = static_cast<QKeyEvent*>(event)->key();
-        const bool removes = key == Qt::Key_Delete || key == Qt::Key_Backspace;
-        if (removes || key == Qt::Key_F2) {
-            event->accept();
-            if (event->type() == QEvent::ShortcutOverride) return true;
-            if (removes) {
-                remove();
-                return true;
-            }
-        }
-    }
+    if (watched == list_ && takeListKey(*event, [this] { remove(); })) return true;
     return QWidget::eventFilter(watched, event);
 }
 

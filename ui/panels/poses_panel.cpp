@@ -18,6 +18,7 @@
 #include "ui/widgets/action_set.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/list_keys.h"
 
 namespace imomushi {
 namespace {
@@ -207,19 +208,10 @@ bool PosesPanel::eventFilter(QObject* watched, QEvent* event) {
             }
         }
     }
-    if (watched == list_ && (event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress)) {
-        // These keys are for the list while it has the focus, not for what is selected in the view.
-        const int key = static_cast<QKeyEvent*>(event)->key();
-        const bool removes = key == Qt::Key_Delete || key == Qt::Key_Backspace;
-        if (removes || key == Qt::Key_F2) {
-            event->accept();
-            if (event->type() == QEvent::ShortcutOverride) return true;
-            if (removes) {
-                if (!chosen().isEmpty()) document_.execute(commands::removePose(chosen().toStdString()));
-                return true;
-            }
-        }
-    }
+    if (watched == list_ && takeListKey(*event, [this] {
+            if (!chosen().isEmpty()) document_.execute(commands::removePose(chosen().toStdString()));
+        }))
+        return true;
     return QWidget::eventFilter(watched, event);
 }
 

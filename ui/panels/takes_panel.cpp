@@ -19,6 +19,7 @@
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/elided_label.h"
 #include "ui/widgets/layouts.h"
+#include "ui/widgets/list_keys.h"
 #include "ui/widgets/line_delegate.h"
 #include "ui/widgets/wrapping_layout.h"
 
@@ -277,19 +278,7 @@ void TakesPanel::menu(const QPoint& global) {
 }
 
 bool TakesPanel::eventFilter(QObject* watched, QEvent* event) {
-    // These keys are for the list while it has the focus, not for what is selected in the view.
-    if (watched == list_ && (event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress)) {
-        auto* key = static_cast<QKeyEvent*>(event);
-        const bool removes = key->key() == Qt::Key_Delete || key->key() == Qt::Key_Backspace;
-        if (removes || key->key() == Qt::Key_F2) {
-            event->accept();
-            if (event->type() == QEvent::ShortcutOverride) return true;
-            if (removes) {
-                deck_.remove();
-                return true;
-            }
-        }
-    }
+    if (watched == list_ && takeListKey(*event, [this] { deck_.remove(); })) return true;
     return QWidget::eventFilter(watched, event);
 }
 

@@ -59,16 +59,19 @@ void NumberField::showText() {
 QSize NumberField::sizeHint() const { return {lineEdit()->sizeHint().width(), QAbstractSpinBox::sizeHint().height()}; }
 QSize NumberField::minimumSizeHint() const { return {lineEdit()->minimumSizeHint().width(), QAbstractSpinBox::minimumSizeHint().height()}; }
 
-std::optional<double> NumberField::parse() const {
-    QString plain = text();
-    plain.remove(spec_.unit.isEmpty() ? QStringLiteral(" ") : spec_.unit);
-    plain.remove(QChar(0x2009));
-    plain = plain.trimmed();
+std::optional<double> NumberField::numberIn(QString text, const QString& unit) {
+    text.remove(unit.isEmpty() ? QStringLiteral(" ") : unit);
+    text.remove(QChar(0x2009));
+    text = text.trimmed();
     bool ok = false;
-    double number = QLocale().toDouble(plain, &ok);
-    if (!ok) number = QLocale::c().toDouble(plain.replace(u',', u'.'), &ok);
-    if (!ok || !std::isfinite(number)) return std::nullopt;
-    return number / spec_.factor;
+    double number = QLocale().toDouble(text, &ok);
+    if (!ok) number = QLocale::c().toDouble(text.replace(u',', u'.'), &ok);
+    return ok && std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+std::optional<double> NumberField::parse() const {
+    const auto number = numberIn(text(), spec_.unit);
+    return number ? std::optional(*number / spec_.factor) : std::nullopt;
 }
 
 void NumberField::set(double value) {

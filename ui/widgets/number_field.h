@@ -25,6 +25,8 @@ public:
         std::optional<double> standard;  ///< what the reset button sets
     };
     explicit NumberField(Spec spec, QWidget* parent = nullptr);
+    /// What somebody typed, as the language of the program or English writes numbers, with the unit or without it. None: it is no finite number.
+    [[nodiscard]] static std::optional<double> numberIn(QString text, const QString& unit);
 
     /// nullopt: several things with different values.
     void setValue(std::optional<double> value);

@@ -9,11 +9,11 @@
 #include <QLocale>
 #include <QMenu>
 #include <QPushButton>
-#include <QStyle>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/panels/live/state_label.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
 #include "ui/widgets/switch.h"
@@ -114,17 +114,7 @@ void ReceiverRows::follow() {
 
 void ReceiverRows::tell() {
     const auto& receivers = outputs_.receivers();
-    for (std::size_t i = 0; i < rows_.size() && i < receivers.size(); ++i) {
-        QLabel* state = rows_[i].state;
-        const char* role = receivers[i].trouble.isEmpty() && receivers[i].lost == 0 ? "muted" : "warning";
-        if (state->property("role").toString() != QLatin1String(role)) {
-            styled(state, role);
-            state->style()->polish(state);
-        }
-        const QString text = stateText(receivers[i]);
-        if (state->text() != text) state->setText(text);
-        state->setVisible(!text.isEmpty());
-    }
+    for (std::size_t i = 0; i < rows_.size() && i < receivers.size(); ++i) showState(*rows_[i].state, stateText(receivers[i]), !receivers[i].trouble.isEmpty() || receivers[i].lost > 0);
 }
 
 void ReceiverRows::changeEvent(QEvent* event) {

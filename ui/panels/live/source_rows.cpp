@@ -10,12 +10,12 @@
 #include <QLocale>
 #include <QMenu>
 #include <QPushButton>
-#include <QStyle>
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 
 #include "ui/models/mapping_texts.h"
+#include "ui/panels/live/state_label.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
 #include "ui/widgets/switch.h"
@@ -200,17 +200,7 @@ void SourceRows::follow() {
 
 void SourceRows::tell() {
     const auto& sources = inputs_.sources();
-    for (std::size_t i = 0; i < rows_.size() && i < sources.size(); ++i) {
-        QLabel* state = rows_[i].state;
-        const QString text = stateText(inputs_, sources[i]);
-        const char* role = troubled(sources[i]) ? "warning" : "muted";
-        if (state->property("role").toString() != QLatin1String(role)) {
-            styled(state, role);
-            state->style()->polish(state);
-        }
-        if (state->text() != text) state->setText(text);
-        state->setVisible(!text.isEmpty());
-    }
+    for (std::size_t i = 0; i < rows_.size() && i < sources.size(); ++i) showState(*rows_[i].state, stateText(inputs_, sources[i]), troubled(sources[i]));
 }
 
 void SourceRows::changeEvent(QEvent* event) {
