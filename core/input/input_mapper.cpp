@@ -11,7 +11,8 @@
 
 namespace imomushi {
 
-InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest) : rows_(std::move(rows)), heard_(rows_.size()), slots_(shown.size()), rowsOf_(shown.size()) {
+InputMapper::InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest, std::vector<Correction> corrections)
+    : rows_(std::move(rows)), corrections_(std::move(corrections)), heard_(rows_.size()), slots_(shown.size()), rowsOf_(shown.size()) {
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].shown = slots_[i].from = shown[i], slots_[i].rest = rest[i];
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const InputRow& row = rows_[r];
@@ -41,7 +42,10 @@ bool InputMapper::take(const InputValue& value) {
         if (!InputValue::isSound(number)) continue;
         Heard& heard = heard_[listener.row];
         heard.raw = heard.meant = number;
-        if (const InputRow& row = rows_[listener.row]; row.toggles) {
+        const InputRow& row = rows_[listener.row];
+        if (row.correction >= 0 && static_cast<std::size_t>(row.correction) < corrections_.size())
+            heard.meant = corrections_[static_cast<std::size_t>(row.correction)].at(std::span(value.numbers).first(static_cast<std::size_t>(value.count)), component);
+        if (row.toggles) {
             const double part = (number - row.curve.inLow) / (row.curve.inHigh - row.curve.inLow);
             if (part < 0.5 - InputTriggers::kBack) heard.pressed = false;
             else if (part > 0.5 && !std::exchange(heard.pressed, true)) heard.on = !heard.on;

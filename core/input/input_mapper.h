@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/input/correction.h"
 #include "core/input/input_value.h"
 #include "core/input/one_euro_filter.h"
 #include "core/input/response_curve.h"
@@ -19,6 +20,7 @@ struct InputRow {
     std::string source, channel;
     int component = 0;          ///< which number of the channel, from 0
     int slot = 0;               ///< what it drives: 0 ... slots - 1, see InputMapper
+    int correction = -1;        ///< of those of its mapper, -1: none
     ResponseCurve curve;
     OneEuro filter;             ///< of the control, before the curve
     Spring spring;              ///< of what the curve makes of it
@@ -33,7 +35,7 @@ struct InputRow {
 
 /// What a row shows while it is used.
 struct InputMeter {
-    double raw = 0.0;        ///< what its control said last
+    double raw = 0.0;        ///< what its control said last, before any correction
     double value = 0.0;      ///< what it makes of that, in the unit of its slot
     std::uint64_t heard = 0; ///< how many values
     bool known = false;      ///< something was heard since the beginning, or since everything let go
@@ -53,7 +55,8 @@ public:
     static constexpr double kArrived = 1e-7;
 
     /// `shown`, `rest`: of each slot, what it is now and where it rests. Rows of slots that do not exist, or with a component that no value has, are never heard.
-    InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest);
+    /// `corrections`: of what rows hear, before anything else is made of it.
+    InputMapper(std::vector<InputRow> rows, std::span<const double> shown, std::span<const double> rest, std::vector<Correction> corrections = {});
 
     /// False: no row listens to it.
     bool take(const InputValue& value);
@@ -90,7 +93,7 @@ public:
 private:
     struct Heard {
         double raw = 0.0, value = 0.0;
-        double meant = 0.0;    // raw, or the end of the range where the last press has put it
+        double meant = 0.0;    // raw and corrected, or the end of the range where the last press has put it
         bool pressed = false, on = false;
         FilteredNumber filtered;
         SprungNumber sprung;
@@ -113,6 +116,7 @@ private:
         std::size_t row = 0;
     };
     std::vector<InputRow> rows_;
+    std::vector<Correction> corrections_;
     std::vector<Heard> heard_;
     std::vector<InputName> sources_, channels_;
     std::vector<Slot> slots_;

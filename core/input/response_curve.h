@@ -22,6 +22,18 @@ struct ResponseCurve {
         const double t = !middle ? part : 0.5 + 0.5 * std::copysign(part, u);
         return outLow + t * (outHigh - outLow);
     }
+
+    /// A value that becomes this one, or the nearest that can be: the beginning, or the middle, of a dead zone and of a curve without a height.
+    [[nodiscard]] double back(double out) const {
+        const bool middle = inLow < 0.0 && inHigh > 0.0;
+        const double t = outHigh == outLow ? (middle ? 0.5 : 0.0) : std::clamp((out - outLow) / (outHigh - outLow), 0.0, 1.0);
+        const double part = middle ? std::abs(2.0 * t - 1.0) : t;
+        const double u = part > 0.0 ? deadZone + (1.0 - deadZone) * std::pow(part, 1.0 / exponent) : 0.0;
+        return !middle ? inLow + u * (inHigh - inLow) : t < 0.5 ? u * inLow : u * inHigh;
+    }
+    /// Its ends lie on one line through its middle: what it makes more of a control it makes the same everywhere, but for exponent and dead zone.
+    [[nodiscard]] bool isEven() const { return !(inLow < 0.0 && inHigh > 0.0) || inLow == -inHigh; }
+    [[nodiscard]] double slope() const { return (outHigh - outLow) / (inHigh - inLow); }
 };
 
 }  // namespace imomushi
