@@ -1547,6 +1547,30 @@
             <translation>サイクルが壊れています。</translation>
         </message>
         <message>
+            <source>Nothing of this source is mapped. Map it first.</source>
+            <translation>この送り手には対応づけがありません。先に対応づけてください。</translation>
+        </message>
+        <message>
+            <source>This source is calibrated in three poses already. Clear one of them first.</source>
+            <translation>この送り手は、すでに 3 つのポーズで合わせてあります。先に 1 つ消してください。</translation>
+        </message>
+        <message>
+            <source>Nothing was heard that a pose could say something about. Let the source send, and measure again.</source>
+            <translation>ポーズに関わるものが何も届きませんでした。送り手に送らせて、もう一度測ってください。</translation>
+        </message>
+        <message>
+            <source>The source says the same as in another pose. Take this pose, hold it, and measure again.</source>
+            <translation>送り手が、ほかのポーズのときと同じ値を送っています。このポーズをとって止まり、もう一度測ってください。</translation>
+        </message>
+        <message>
+            <source>This source is not calibrated.</source>
+            <translation>この送り手は合わせてありません。</translation>
+        </message>
+        <message>
+            <source>A calibration is broken.</source>
+            <translation>キャリブレーションが壊れています。</translation>
+        </message>
+        <message>
             <source>The character has nothing that could move by itself. Give it bones or handles first.</source>
             <translation>キャラクターには、ひとりでに動かせるものがありません。先にボーンかハンドルを付けてください。</translation>
         </message>
@@ -2113,6 +2137,14 @@
         <message>
             <source>Suggest cycles</source>
             <translation>サイクルを提案</translation>
+        </message>
+        <message>
+            <source>Calibrate</source>
+            <translation>送り手を合わせる</translation>
+        </message>
+        <message>
+            <source>Clear calibration</source>
+            <translation>キャリブレーションを消す</translation>
         </message>
         <message>
             <source>Rename cycle</source>

@@ -29,6 +29,7 @@ void addCoreCommands(CommandRegistry& registry) {
     addKeptPoseCommands(registry);
     addCycleCommands(registry);
     addMappingCommands(registry);
+    addCalibrationCommands(registry);
     addPoseCheckCommands(registry);
     addSolveCommands(registry);
     addPoseCommands(registry);

@@ -34,6 +34,7 @@ void addEffectCommands(CommandRegistry& registry);    // enable, disable
 void addKeptPoseCommands(CommandRegistry& registry);  // keep-pose, apply-pose, mirror-pose, rest-bones, rename-pose, remove-pose
 void addCycleCommands(CommandRegistry& registry);     // add-cycle, suggest-cycles, rename-cycle, remove-cycle
 void addMappingCommands(CommandRegistry& registry);   // map-input, unmap-input, suggest-mappings, save-mappings, load-mappings
+void addCalibrationCommands(CommandRegistry& registry);  // calibrate-source, clear-calibration
 void addPoseCheckCommands(CommandRegistry& registry); // check-pose
 void addSolveCommands(CommandRegistry& registry);     // estimate, precompute, deform-element
 void addPoseCommands(CommandRegistry& registry);      // pin, unpin, drag, release, touch, rest, step

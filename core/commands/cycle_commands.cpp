@@ -9,6 +9,7 @@
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
+#include "core/document/source_calibration.h"
 #include "core/live/suggested_cycles.h"
 #include "core/session/document_edit.h"
 
@@ -95,7 +96,10 @@ Result<Json> removeCycle(DocumentEdit& edit, const Json& arguments, const Progre
         KeptPoses poses = keptPoses(edit.document);
         std::erase_if(poses, [&](const KeptPose& pose) {
             const bool goes = through.contains(pose.name) && cyclesThrough(edit.document, pose.name).empty();
-            if (goes) removed.push_back(pose.name);
+            if (goes) {
+                removed.push_back(pose.name);
+                (void)dropPoseFromCalibrations(edit.document, pose.name);
+            }
             return goes;
         });
         if (!removed.empty()) setKeptPoses(edit.document, std::move(poses));

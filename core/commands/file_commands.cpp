@@ -69,6 +69,7 @@ Json contents(const Session& session) {
     for (const KeptPose& pose : keptPoses(document)) answer["poses"].push_back(pose.name);
     if (document.cycles) answer["cycles"] = cyclesJson(*document.cycles);
     if (document.mappings) answer["mappings"] = shownMappings(document);
+    if (Json calibrations = shownCalibrations(document); !calibrations.empty()) answer["calibrations"] = std::move(calibrations);
     if (const UnknownRows& unknown = document.unknown; !(unknown.effects.empty() && unknown.properties.empty() && unknown.settings.empty())) {
         Json names = Json::array();
         for (const auto& [name, state] : unknown.effects) names.push_back(name);

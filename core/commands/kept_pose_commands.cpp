@@ -9,6 +9,7 @@
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
+#include "core/document/source_calibration.h"
 #include "core/live/live_character.h"
 #include "core/session/document_edit.h"
 
@@ -133,6 +134,7 @@ Result<Json> renamePose(DocumentEdit& edit, const Json& arguments, const Progres
     if (keptPose(edit.document, name)) return fail("name-taken", "There is a pose \"" + name + "\" already: choose another name.");
     renameMapped(edit.document, "pose", pose->name, name);
     renamePoseInCycles(edit.document, pose->name, name);
+    renamePoseInCalibrations(edit.document, pose->name, name);
     poses[std::size_t(pose - poses.begin())].name = name;
     setKeptPoses(edit.document, std::move(poses));
     return Json::object();
@@ -144,9 +146,10 @@ Result<Json> removePose(DocumentEdit& edit, const Json& arguments, const Progres
     // A gait without one of its poses would be another one, and nobody asked for that.
     if (const auto through = cyclesThrough(edit.document, pose->name); !through.empty())
         return fail("pose-in-cycle", "The pose \"" + pose->name + "\" belongs to the cycle \"" + through.front() + "\": remove that cycle, or give it other poses, first.");
+    const auto uncalibrated = dropPoseFromCalibrations(edit.document, pose->name);
     poses.erase(pose);
     setKeptPoses(edit.document, std::move(poses));
-    return Json::object();
+    return uncalibrated.empty() ? Json::object() : Json{{"uncalibrated", uncalibrated}};
 }
 
 }  // namespace
@@ -163,8 +166,8 @@ void addKeptPoseCommands(CommandRegistry& registry) {
     registry.addChange("mirror-pose", "Exchanges left and right of the pose, by names like \"arm.L\" and \"arm.R\"; what is in the middle is mirrored in itself. \"unpaired\" in the answer: what has a side and nothing on the other one, and stays.", {}, mirrorPose, showMended);
     registry.addChange("rest-bones", "Brings bones back to rest against their parents; what hangs on them goes along. Targets there are let go, pins are not.",
                        {{"bones", Type::Array, true, "Their names."}, {"chain", Type::Boolean, false, "With all bones that hang on them (false)."}}, restSome, showRested);
-    registry.addChange("rename-pose", "Renames a kept pose.", {{"pose", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no kept pose has."}}, renamePose);
-    registry.addChange("remove-pose", "Removes a kept pose that no cycle goes through.", {{"pose", Type::Text, true, "Its name."}}, removePose);
+    registry.addChange("rename-pose", "Renames a kept pose; mappings, cycles and calibrations follow.", {{"pose", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no kept pose has."}}, renamePose);
+    registry.addChange("remove-pose", "Removes a kept pose that no cycle goes through; calibrations lose it (\"uncalibrated\" in the answer: of these sources).", {{"pose", Type::Text, true, "Its name."}}, removePose);
 }
 
 }  // namespace imomushi

@@ -8,5 +8,7 @@ namespace imomushi {
 
 /// Of the document, which has some; "missing": true where a target is not there.
 Json shownMappings(const Document& document);
+/// Sources that are calibrated, in which poses, as "list" shows them.
+Json shownCalibrations(const Document& document);
 
 }  // namespace imomushi

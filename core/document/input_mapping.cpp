@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "core/document/command_support.h"
@@ -290,6 +291,13 @@ Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, st
 }
 
 void setMappings(Document& document, InputMappings mappings) {
+    std::map<std::string_view, std::shared_ptr<const SourceCalibration>> known;
+    if (document.mappings)
+        for (const InputMapping& mapping : *document.mappings) known.try_emplace(mapping.row.source, mapping.calibration);
+    for (InputMapping& mapping : mappings) {
+        const auto of = known.find(mapping.row.source);
+        mapping.calibration = of == known.end() ? nullptr : of->second;
+    }
     if (document.mappings ? *document.mappings == mappings : mappings.empty()) return;
     document.mappings = mappings.empty() ? nullptr : std::make_shared<const InputMappings>(std::move(mappings));
 }

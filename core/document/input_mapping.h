@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,8 @@
 
 namespace imomushi {
 
+struct SourceCalibration;
+
 /// A row of the table of mappings: which number of which channel drives what. Names are kept, not ids, so that rows can go from one character to another one; a row whose target is not there waits for it.
 struct InputMapping {
     static constexpr std::size_t kMost = 1024;      ///< rows of a table
@@ -20,6 +23,7 @@ struct InputMapping {
     std::string target;  ///< see mappedTarget()
     bool solo = false;   ///< where one row is, those that are not are muted
     bool mirrored = false;  ///< the same part of the other side (otherSide()) does the same, mirrored in x, where no other row drives it
+    std::shared_ptr<const SourceCalibration> calibration;  ///< of its source, whose rows all have the same; null: none. setMappings() takes care of it, files of mappings are without
     bool operator==(const InputMapping&) const = default;
     /// The same control drives the same target: a table has one such row.
     [[nodiscard]] bool sameLine(const InputMapping& o) const { return row.source == o.row.source && row.channel == o.row.channel && row.component == o.row.component && target == o.target; }
@@ -59,7 +63,7 @@ Result<InputMappings> mappingsFrom(const Json& list);
 
 /// Inserts a row at an index of a table, or replaces the same line. Without an index a line that is there keeps its index, a new one goes to the end. Returns the index. Errors: "too-many-mappings".
 Result<std::size_t> putMapping(InputMappings& mappings, InputMapping mapping, std::optional<std::size_t> place = std::nullopt);
-/// Sets the table of the document; does nothing if it is equal.
+/// Sets the table of the document; does nothing if it is equal. Sources that have rows before and after keep their calibration.
 void setMappings(Document& document, InputMappings mappings);
 /// Rows follow what gets another name. `kind`: "handle", "bone", "morph" (of a character), "pose", "cycle", "take".
 void renameMapped(Document& document, std::string_view kind, std::string_view from, std::string_view to);

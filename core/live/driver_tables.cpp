@@ -8,6 +8,7 @@
 #include "core/document/command_support.h"
 #include "core/document/cycle.h"
 #include "core/document/morph_weights.h"
+#include "core/live/calibrated_rows.h"
 #include "core/live/direct_names.h"
 #include "core/live/input_driver.h"
 #include "core/live/pose_parts.h"
@@ -66,6 +67,7 @@ struct InputDriver::Tables {
     std::vector<double> shown, rest;
     std::vector<int> letGo;           // slots that were letting go
     const bool solo = anySolo(document);  // of any row
+    CalibratedRows calibrated = calibratedRows(document, plan);
 
     /// Null: the character has no such thing.
     Driven* find(const MappedTarget& target) {
@@ -375,13 +377,20 @@ struct InputDriver::Tables {
         return thing ? thing->rest[target.axis] : 0.0;
     }
 
+    /// A row of the document's table, corrected where its source is calibrated.
+    [[nodiscard]] InputRow heard(const InputMapping& mapping) const {
+        InputRow row = heardRow(mapping, solo);
+        row.correction = calibrated.correctionOf[static_cast<std::size_t>(&mapping - document.mappings->data())];
+        return row;
+    }
+
     void addMappings() {
         if (!document.mappings) return;
         for (const InputMapping& mapping : *document.mappings) {
             rowOf.push_back(-1);
             const auto target = mappedTarget(document, mapping.target);
             if (!target || target->isTrigger()) continue;
-            const InputRow row = heardRow(mapping, solo);
+            const InputRow row = heard(mapping);
             const std::size_t count = rows.size();
             add(row, *target);
             if (rows.size() > count) rowOf.back() = static_cast<int>(count);
@@ -391,7 +400,7 @@ struct InputDriver::Tables {
             if (!mapping.mirrored) continue;
             const auto target = mappedTarget(document, otherSideOfTarget(mapping.target));
             if (!target) continue;
-            InputRow row = heardRow(mapping, solo);
+            InputRow row = heard(mapping);
             row.curve.outLow *= mirrorSign(*target);
             row.curve.outHigh *= mirrorSign(*target);
             add(row, *target);
@@ -437,7 +446,7 @@ InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, st
       }()) {}
 
 InputDriver::InputDriver(Tables&& tables)
-    : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), posed_(std::move(tables.posed)), cycles_(std::move(tables.cycles)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest) {
+    : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), posed_(std::move(tables.posed)), cycles_(std::move(tables.cycles)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest, std::move(tables.calibrated.corrections)) {
     moved_.reserve(driven_.size());
     weighPoses();
     for (Posed& pose : posed_) pose.before = pose.weight;

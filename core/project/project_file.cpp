@@ -17,6 +17,7 @@
 #include "core/document/cycle.h"
 #include "core/document/input_mapping.h"
 #include "core/document/kept_pose.h"
+#include "core/document/source_calibration.h"
 #include "core/project/project_content.h"
 #include "core/project/project_rows.h"
 #include "core/project/project_tables.h"
@@ -46,7 +47,7 @@ void createTables(Database& db) {
     db.createPartTable();
 }
 
-constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kRate = "rate", *kMappings = "mappings", *kPoses = "poses", *kCycles = "cycles", *kNextId = "next-id";
+constexpr const char *kBasis = "basis", *kFormat = "format", *kThreads = "threads", *kBodyFollows = "body-follows", *kRate = "rate", *kMappings = "mappings", *kPoses = "poses", *kCycles = "cycles", *kCalibrations = "calibrations", *kNextId = "next-id";
 
 void writeSettings(Database& db, const Document& document) {
     RowWriter settings(db, "INSERT INTO settings VALUES (?,?)");
@@ -61,6 +62,7 @@ void writeSettings(Database& db, const Document& document) {
     if (document.mappings) settings.row(kMappings, mappingsJson(*document.mappings).dump());
     if (document.poses) settings.row(kPoses, keptPosesJson(*document.poses).dump());
     if (document.cycles) settings.row(kCycles, cyclesJson(*document.cycles).dump());
+    if (const Json calibrations = calibrationsJson(document); !calibrations.empty()) settings.row(kCalibrations, calibrations.dump());
     for (const auto& [name, value] : document.unknown.settings) settings.row(name, value);
 }
 
@@ -116,6 +118,7 @@ void readSettings(Database& db, Document& document) {
         require(cycles.has_value(), "a cycle is broken");
         setCycles(document, std::move(*cycles));
     }
+    if (const auto found = all.extract(kCalibrations)) require(readCalibrations(document, Json::parse(found.mapped(), nullptr, false)).has_value(), "a calibration is broken");
     document.unknown.settings = std::move(all);
 }
 

@@ -266,6 +266,43 @@ TEST_CASE("live: a body of the VMC protocol turns the arm of the figure: its bon
     CHECK(away(at(10) - at(9), at(14) - at(13)) > 20.0);  // it was elsewhere
 }
 
+TEST_CASE("live: a source that is calibrated leaves the character at rest when it says what it said then; its recording is replayed to the same bytes") {
+    makeEgg();
+    // As the sender says 20 degrees about -y and 30 about z, with which its body leans.
+    const Eigen::Vector3d leans = Eigen::Vector3d(0, -20, 30) * (std::numbers::pi / 180.0);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(leans.norm(), leans.normalized()));
+    const Json measured = {{"do", "calibrate-source"}, {"source", "vmc"}, {"values", {{"bone/LeftUpperArm", {0, 0, 0, turn.x(), turn.y(), turn.z(), turn.w(), leans.x(), leans.y(), leans.z()}}}}};
+    std::string lines = "{\"do\":\"open\",\"path\":\"egg.imomushi\"}\n";
+    for (int axis = 0; axis < 3; ++axis)
+        lines += R"({"do":"map-input","source":"vmc","channel":"bone/LeftUpperArm","component":)" + std::to_string(7 + axis) + R"(,"target":"handle/top/turn-)" + "xyz"[axis] + R"(","in":[-4,4]})" "\n";
+    const std::string body = "python3 \"$senders/body.py\" $vmc 2 LeftUpperArm 0 -20 30\nsleep 0.2; kill -INT $program";
+    const auto performs = [&](const std::string& before, const std::string& input, const std::string& mesh) {
+        writeFile("live.jsonl", before + R"({"do":"live","sources":[{"protocol":"osc","port":0},{"protocol":"vmc","port":0}],"record":")" + input + "\"}\n{\"do\":\"write-mesh\",\"path\":\"" + mesh + "\"}\n");
+        const Run run = performed("run live.jsonl", body);
+        INFO(run.out << run.err);
+        REQUIRE(run.status == 0);
+        return readObj((folder() / mesh).string());
+    };
+    const TriangleMesh rest = readObj((folder() / "egg.obj").string());
+    const auto off = [&](const TriangleMesh& posed) { return (posed.vertices - rest.vertices).cwiseAbs().maxCoeff(); };
+    CHECK(off(performs(lines, "plain.input", "plain.obj")) > 0.05);
+    lines += measured.dump() + "\n";
+    CHECK(off(performs(lines, "raw.input", "live.obj")) < 1e-3);
+    // From the project, too, which has it.
+    const Run again = script(lines + R"({"do":"save","path":"calibrated.imomushi"}
+{"do":"replay","path":"raw.input"}
+{"do":"write-mesh","path":"replayed.obj"}
+{"do":"open","path":"calibrated.imomushi"}
+{"do":"replay","path":"plain.input"}
+{"do":"replay","path":"raw.input"}
+{"do":"write-mesh","path":"opened.obj"}
+)");
+    INFO(again.out);
+    REQUIRE(again.status == 0);
+    CHECK(readFile(folder() / "replayed.obj") == readFile(folder() / "live.obj"));
+    CHECK(off(readObj((folder() / "opened.obj").string())) < 1e-3);
+}
+
 TEST_CASE("live: a recording of a program that was killed is whole but for its last second") {
     makeEgg();
     const Run run = performed("live --osc 0 --vmc 0 --record killed.input egg.imomushi",
