@@ -2741,6 +2741,60 @@
         </message>
     </context>
     <context>
+        <name>imomushi::CalibrationBar</name>
+        <message>
+            <source>%1: off by %2</source>
+            <comment>a pose</comment>
+            <translation>%1：ずれ %2</translation>
+        </message>
+        <message>
+            <source>Forget what was measured in this pose</source>
+            <translation>このポーズで測ったものを忘れる</translation>
+        </message>
+        <message>
+            <source>Forget %1</source>
+            <comment>a pose</comment>
+            <translation>%1 を忘れる</translation>
+        </message>
+        <message>
+            <source>Take the pose “%1” …</source>
+            <translation>ポーズ「%1」をとってください …</translation>
+        </message>
+        <message>
+            <source>Hold it …</source>
+            <translation>そのまま …</translation>
+        </message>
+        <message>
+            <source>Calibrate %1</source>
+            <comment>a source</comment>
+            <translation>%1 を合わせる</translation>
+        </message>
+        <message>
+            <source>Stand as the character does in a pose, and hold still. One pose is met exactly; two or three that differ also tell how much.</source>
+            <translation>キャラクターのポーズと同じように立ち、止まってください。1 つのポーズにはぴったり合います。違いのある 2 つか 3 つからは、動きの大きさもわかります。</translation>
+        </message>
+        <message>
+            <source>Pose</source>
+            <translation>ポーズ</translation>
+        </message>
+        <message>
+            <source>Measure</source>
+            <translation>測る</translation>
+        </message>
+        <message>
+            <source>Counts down from three, and measures what the source says for half a second.</source>
+            <translation>3 から数え、送り手が送るものを 0.5 秒間測ります。</translation>
+        </message>
+        <message>
+            <source>Cancel</source>
+            <translation>キャンセル</translation>
+        </message>
+        <message>
+            <source>Close</source>
+            <translation>閉じる</translation>
+        </message>
+    </context>
+    <context>
         <name>imomushi::CommandSearch</name>
         <message>
             <source>Search</source>
@@ -7378,7 +7432,31 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
     </context>
     <context>
+        <name>imomushi::SourceCalibrator</name>
+        <message>
+            <source>Nothing was heard. Let the source send, and measure again.</source>
+            <translation>何も届きませんでした。送り手に送らせて、もう一度測ってください。</translation>
+        </message>
+        <message>
+            <source>Rest</source>
+            <comment>a pose</comment>
+            <translation>静止の姿</translation>
+        </message>
+    </context>
+    <context>
         <name>imomushi::SourceRows</name>
+        <message>
+            <source>Calibrate…</source>
+            <translation>合わせる…</translation>
+        </message>
+        <message>
+            <source>Calibrated, off by %1…</source>
+            <translation>合わせてあります、ずれ %1…</translation>
+        </message>
+        <message>
+            <source>What this source says in a pose of yours becomes that pose of the character: who stands turned or leans, or wears a sensor askew, is put right.</source>
+            <translation>あなたがポーズをとったときにこの送り手が送るものが、キャラクターのそのポーズになります。向きの違い、傾き、斜めに付いたセンサーが直ります。</translation>
+        </message>
         <message>
             <source>Listening. Any machine may send to port %1.</source>
             <translation>聞いています。どのコンピューターもポート %1 へ送れます。</translation>

@@ -90,6 +90,19 @@ void HearingThread::learn(bool on) {
     learner_ = on ? std::make_unique<ControlLearner>() : nullptr;
 }
 
+void HearingThread::measure(const std::string& source) {
+    const std::lock_guard lock(mutex_);
+    measure_.reset();
+    if (source.empty()) return;
+    measure_.emplace(source);
+    for (const auto& [name, value] : last_) measure_->knew(value);
+}
+
+std::optional<SourceMeasure> HearingThread::measured() const {
+    const std::lock_guard lock(mutex_);
+    return measure_;
+}
+
 void HearingThread::triggers(std::vector<InputRow> rows, std::function<void(std::size_t)> happened) {
     const std::lock_guard lock(mutex_);
     // A button that is pressed has happened.
@@ -172,6 +185,8 @@ void HearingThread::take(std::size_t index, std::int64_t nanoseconds, std::span<
         for (const std::size_t row : triggers_.take(value)) happened_(row);
     if (learner_)
         for (const InputValue& value : values_) learner_->hear(value);
+    if (measure_)
+        for (const InputValue& value : values_) measure_->hear(value);
     if (feed_ && !held_ && !values_.empty() && !feed_->give(values_)) ++source.lost;
 }
 

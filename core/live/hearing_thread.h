@@ -17,6 +17,7 @@
 #include "core/input/input_listener.h"
 #include "core/input/input_triggers.h"
 #include "core/input/raw_inputs.h"
+#include "core/input/source_measure.h"
 #include "core/input/udp_port.h"
 
 namespace imomushi {
@@ -62,6 +63,10 @@ public:
     void hold(bool held);
     /// From now on the control that moves is looked for; false: no more.
     void learn(bool on);
+    /// From now on what a source says is measured, whether it is given to the feed or not; empty: no more.
+    void measure(const std::string& source);
+    /// None: nobody measures.
+    [[nodiscard]] std::optional<SourceMeasure> measured() const;
     /// Sets the rows of triggers. `happened` is called with the index of a row, on the thread that hears; it must return at once and not throw. Rows that are all as before keep their state.
     void triggers(std::vector<InputRow> rows, std::function<void(std::size_t)> happened);
     /// Of each of these rows.
@@ -100,6 +105,7 @@ private:
     InputTriggers triggers_;
     std::function<void(std::size_t)> happened_;
     std::unique_ptr<ControlLearner> learner_;
+    std::optional<SourceMeasure> measure_;
     std::vector<InputValue> values_;  // of the packet that is read
     const InputListener::Clock::time_point start_ = InputListener::Clock::now();
     std::atomic<bool> over_{false};

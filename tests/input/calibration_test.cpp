@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/input/input_mapper.h"
+#include "core/input/source_measure.h"
 #include "tests/support/allocations.h"
 #include "tests/support/input_values.h"
 
@@ -221,4 +222,37 @@ TEST_CASE("mapper: rows are given what their correction makes of all three numbe
     CHECK(after == before);
     CHECK((shows() - Vec3(30.0 * kDegree, 0, 0)).norm() < 1e-9);
     CHECK(m.meterOf(1).raw == bows.numbers[8]);
+}
+
+TEST_CASE("measure: the numbers of each channel on average, rotations as rotations; what is not said again counts as it was, other sources and what is plugged out do not") {
+    SourceMeasure measure("body");
+    const auto pose = [](const Eigen::Quaterniond& q, double sign) {
+        const Vec3 v = rotationVector(q);
+        return valueOf("body", "bone/Hips", {0.5, 1, 0, sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w(), v.x(), v.y(), v.z()});
+    };
+    measure.knew(valueOf("body", "fader", {0.25}));
+    measure.knew(valueOf("body", "blend/A", {0.9}));
+    measure.knew(valueOf("face", "blend/B", {0.9}));
+    measure.knew(valueOf("body", "button", {1.0}));
+    CHECK(measure.heard() == 0);
+    // Half a turn, a little more and a little less: rotation vectors point to both sides, and quaternions have either sign.
+    for (int i = 0; i < 10; ++i) {
+        measure.hear(pose(about(kY, i % 2 ? 178.0 : 182.0), i % 3 ? 1.0 : -1.0));
+        measure.hear(valueOf("body", "blend/A", {i % 2 ? 0.1 : 0.3}));
+        measure.hear(valueOf("face", "blend/A", {0.7}));
+    }
+    InputValue gone = valueOf("body", "button", {0.0});
+    gone.gone = true;
+    measure.hear(gone);
+    CHECK(measure.heard() == 20);
+    const auto means = measure.means();
+    REQUIRE(means.size() == 3);
+    CHECK(means.at("fader") == std::vector{0.25});
+    CHECK(means.at("blend/A")[0] == doctest::Approx(0.2));
+    const std::vector<double>& hips = means.at("bone/Hips");
+    CHECK(hips[0] == 0.5);
+    const Eigen::Quaterniond q(hips[6], hips[3], hips[4], hips[5]);
+    CHECK(std::abs(q.norm() - 1.0) < 1e-12);
+    CHECK(q.angularDistance(about(kY, 180.0)) < 1e-6);
+    CHECK(rotationOf(Vec3(hips[7], hips[8], hips[9])).angularDistance(q) < 1e-6);
 }

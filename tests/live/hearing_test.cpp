@@ -42,6 +42,29 @@ bool waited(Until until) {
 
 }  // namespace
 
+TEST_CASE("hearing: a source is measured while its values are held back; what it said before counts where it says nothing else") {
+    HearingThread thread;
+    const auto port = thread.open({"osc", InputProtocol::Osc}, 0, UdpPort::From::Loopback);
+    REQUIRE(port);
+    CHECK(!thread.measured());
+    thread.hold(true);
+    const UdpSender sender(*port);
+    sender.send(oscBytes("/still", {0.5F}));
+    sender.send(oscBytes("/moves", {9.0F}));
+    REQUIRE(waited([&] { return thread.heard("osc")->counts.values == 2; }));
+    thread.measure("osc");
+    CHECK(thread.measured()->heard() == 0);
+    sender.send(oscBytes("/moves", {1.0F}));
+    sender.send(oscBytes("/moves", {2.0F}));
+    REQUIRE(waited([&] { return thread.measured()->heard() == 2; }));
+    const auto means = thread.measured()->means();
+    CHECK(means.size() == 2);
+    CHECK(means.at("/still") == std::vector{0.5});
+    CHECK(means.at("/moves") == std::vector{1.5});
+    thread.measure({});
+    CHECK(!thread.measured());
+}
+
 TEST_CASE("hearing: ports are open for as long as somebody listens; a taken one is refused, packets are counted, broken ones too, and senders") {
     HearingThread thread;
     CHECK(!thread.hears());

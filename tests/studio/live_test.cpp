@@ -6,6 +6,8 @@
 #include <QPushButton>
 #include <QToolButton>
 
+#include "core/base/rotation_vector.h"
+#include "core/document/source_calibration.h"
 #include "core/input/input_decoder.h"
 #include "tests/studio/window.h"
 #include "tests/support/osc_bytes.h"
@@ -14,6 +16,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/mapping_texts.h"
 #include "ui/models/recent_files.h"
+#include "ui/models/source_calibrator.h"
 #include "ui/panels/live/live_panel.h"
 #include "ui/tools/picking.h"
 #include "ui/widgets/number_field.h"
@@ -536,4 +539,128 @@ TEST_CASE("live: what is performed is sent to a program that listens, as long as
     (void)told();
     CHECK(places.empty());
     outputs.remove(0);
+}
+
+TEST_CASE("live: a source is calibrated by a button and a countdown, in rest and in a kept pose, also while inputs wait; what is left is said, and undo takes it back") {
+    LiveWindow w;
+    const std::string bone = w.now().bones.rbegin()->second->name;
+    for (int k = 0; k < 3; ++k) w.run({{"do", "map-input"}, {"source", "vmc"}, {"channel", "bone/Head"}, {"component", 7 + k}, {"target", "bone/" + bone + "/turn-" + "xyz"[k]}, {"in", {-3.2, 3.2}}});
+    // The last bone alone turns, as its start is pinned.
+    const Vec3 to = w.place(w.lastEnd()) + Vec3(0.0, 0.5 * (w.place(w.lastEnd()) - w.place({w.lastEnd().bone, false})).norm(), 0.0);
+    w.run({{"do", "pin"}, {"endpoint", bone + "/start"}});
+    w.run({{"do", "drag"}, {"endpoint", w.lastEndName()}, {"to", {to.x(), to.y(), to.z()}}});
+    waitFor([&] { return w.place(w.lastEnd()).y() > to.y() - 0.02; });
+    w.run({{"do", "keep-pose"}, {"name", "looks up"}});
+    w.run({{"do", "unpin"}, {"endpoint", bone + "/start"}});
+    w.run({{"do", "rest"}});
+    w.inputs().setPort(1, 0);
+    const auto button = [&]() -> QPushButton& { return w.part<QPushButton>("calibrate-vmc"); };  // rows are made anew in another language
+    CHECK(!button().isVisible());  // nobody is listened to
+    w.click("source-vmc");
+    REQUIRE(w.inputs().sources()[1].on);
+    CHECK(button().isVisible());
+    CHECK(!w.part<QPushButton>("calibrate-osc").isVisible());
+    CHECK(button().text() == QStringLiteral("Calibrate…"));
+    const UdpSender body(std::uint16_t(w.inputs().sources()[1].port));
+    Vec3 turn(0.4, 0.0, 0.2);  // radians, of the head of who performs
+    QTimer sends;
+    QObject::connect(&sends, &QTimer::timeout, [&] {
+        const Eigen::Quaterniond q = rotationOf(turn);
+        body.send(oscBytes("/VMC/Ext/Bone/Pos", {std::string("Head"), 0.0F, 0.0F, 0.0F, float(q.x()), float(-q.y()), float(-q.z()), float(q.w())}));
+    });
+    sends.start(20);
+    waitFor([&] { return w.model().level(0).drives; });
+
+    auto* calibrator = w.panel().findChild<SourceCalibrator*>();
+    REQUIRE(calibrator);
+    CHECK(!w.part<QWidget>("calibration").isVisible());
+    w.click("calibrate-vmc");
+    CHECK(w.part<QWidget>("calibration").isVisible());
+    CHECK(!w.part<QWidget>("learn").isVisible());
+    CHECK(cutOff(w.panel()) == "");
+    w.shoot("live-calibration");
+    const auto measure = [&] {
+        w.click("measurePose");
+        waitFor([&] { return calibrator->state() == SourceCalibrator::State::Idle; });
+        w.settle();
+    };
+    const auto& trouble = w.part<QLabel>("calibrationTrouble");
+    // It can be given up.
+    w.click("measurePose");
+    CHECK(calibrator->state() == SourceCalibrator::State::Counting);
+    CHECK(w.part<QLabel>("countdown").isVisible());
+    CHECK(w.part<QLabel>("countdown").text() == QStringLiteral("3"));
+    CHECK(w.part<QLabel>("countdownSays").text().contains(QStringLiteral("Rest")));
+    CHECK(cutOff(w.panel()) == "");
+    w.shoot("live-calibration-counts");
+    w.click("cancelCalibration");
+    CHECK(calibrator->state() == SourceCalibrator::State::Idle);
+    CHECK(!w.part<QLabel>("countdown").isVisible());
+    CHECK(!calibrationOf(w.now(), "vmc"));
+
+    calibrator->setCountdown(300);
+    const int before = w.position();
+    measure();
+    CHECK(trouble.text() == QString());
+    REQUIRE(calibrationOf(w.now(), "vmc"));
+    CHECK(w.position() == before + 1);
+    CHECK(w.document().session().steps().back().name == "calibrate-source");
+    CHECK(w.part<QLabel>("calibrated-1").text() == QStringLiteral("Rest: off by 0.0°"));
+    CHECK(button().text() == QStringLiteral("Calibrated, off by 0.0°…"));
+    const std::vector<double> at = calibrationOf(w.now(), "vmc")->poses.front().said.at("bone/Head");
+    CHECK((Vec3(at[7], at[8], at[9]) - turn).norm() < 1e-5);
+    // From then on that is rest.
+    waitFor([&] { return w.inputs().meters().size() == 3 && w.inputs().meters()[0].known && std::abs(w.inputs().meters()[0].value) < 1e-5 && std::abs(w.inputs().meters()[2].value) < 1e-5; });
+    CHECK(w.inputs().meters()[0].raw == doctest::Approx(0.4).epsilon(1e-5));
+
+    // The same again in another pose tells nothing.
+    auto& pose = w.part<QComboBox>("calibrationPose");
+    REQUIRE(pose.count() == 2);
+    pose.setCurrentIndex(1);
+    measure();
+    CHECK(trouble.isVisible());
+    CHECK(trouble.text().contains(QStringLiteral("says the same as in the pose rest")));
+    w.shoot("live-calibration-alike");
+    CHECK(calibrationOf(w.now(), "vmc")->poses.size() == 1);
+    // While inputs wait it is measured, too.
+    w.inputs().letGo();
+    CHECK(w.inputs().waits() == InputDeck::Waits::LetGo);
+    turn = Vec3(-0.3, 0.1, 0.1);
+    QTest::qWait(200);
+    measure();
+    CHECK(!trouble.isVisible());
+    REQUIRE(calibrationOf(w.now(), "vmc")->poses.size() == 2);
+    CHECK(w.part<QLabel>("calibrated-2").text().startsWith(QStringLiteral("looks up: off by ")));
+    w.shoot("live-calibrated");
+    w.trigger("undo");
+    CHECK(calibrationOf(w.now(), "vmc")->poses.size() == 1);
+    w.settle();
+    CHECK(!w.part<QLabel>("calibrated-2").isVisible());
+    w.trigger("redo");
+    w.settle();
+    CHECK(w.part<QLabel>("calibrated-2").isVisible());
+
+    for (const char* language : {"ja", "en"}) {
+        Appearance::instance().setLanguage(QLatin1String(language));
+        w.settle();
+        CHECK(cutOff(w.panel()) == "");
+        CHECK(pale(w.panel()) == "");
+        w.shoot(("live-calibrated-" + std::string(language)).c_str());
+    }
+    w.click("clear-calibrated-1");
+    REQUIRE(calibrationOf(w.now(), "vmc"));
+    CHECK(calibrationOf(w.now(), "vmc")->poses.front().name == "looks up");
+    // Who is silent is not measured.
+    sends.stop();
+    pose.setCurrentIndex(0);
+    measure();
+    CHECK(trouble.text().startsWith(QStringLiteral("Nothing was heard")));
+    CHECK(calibrationOf(w.now(), "vmc")->poses.size() == 1);
+    w.click("closeCalibration");
+    CHECK(!w.part<QWidget>("calibration").isVisible());
+    CHECK(w.part<QWidget>("learn").isVisible());
+    w.click("calibrate-vmc");
+    w.click("source-vmc");  // off: what was measured stays
+    CHECK(!button().isVisible());
+    CHECK(calibrationOf(w.now(), "vmc"));
 }

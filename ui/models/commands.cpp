@@ -322,6 +322,13 @@ Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position) 
 
 Json unmapInput(const InputMapping& mapping) { return {{"do", "unmap-input"}, {"source", mapping.row.source}, {"channel", mapping.row.channel}, {"component", mapping.row.component}, {"target", mapping.target}}; }
 Json suggestMappings(InputProtocol protocol, const std::string& source) { return {{"do", "suggest-mappings"}, {"protocol", protocolName(protocol)}, {"source", source}}; }
+Json calibrateSource(const std::string& source, const std::string& pose, const std::map<std::string, std::vector<double>>& said) {
+    Json command{{"do", "calibrate-source"}, {"source", source}, {"values", Json::object()}};
+    if (!pose.empty()) command["pose"] = pose;
+    for (const auto& [channel, numbers] : said) command["values"][channel] = numbers;
+    return command;
+}
+Json clearCalibration(const std::string& source, const std::string& pose) { return {{"do", "clear-calibration"}, {"source", source}, {"pose", pose}}; }
 Json saveMappings(const std::string& path) { return {{"do", "save-mappings"}, {"path", path}}; }
 Json loadMappings(const std::string& path) { return {{"do", "load-mappings"}, {"path", path}}; }
 

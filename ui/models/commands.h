@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -243,6 +244,9 @@ Json touch(const std::string& element, const Vec3& point, const std::optional<Ve
 Json mapInput(const InputMapping& mapping, std::optional<std::size_t> position = {});
 Json unmapInput(const InputMapping& mapping);
 Json suggestMappings(InputProtocol protocol, const std::string& source);
+/// `pose`: a kept one; empty: rest. `said`: the numbers of each channel.
+Json calibrateSource(const std::string& source, const std::string& pose, const std::map<std::string, std::vector<double>>& said);
+Json clearCalibration(const std::string& source, const std::string& pose);
 Json saveMappings(const std::string& path);
 Json loadMappings(const std::string& path);
 

@@ -163,10 +163,12 @@ void InputDeck::setOn(std::size_t index, bool on) {
     Q_EMIT changed();
 }
 
-bool InputDeck::wantsDevice(const Source& source) const {
+bool InputDeck::isMapped(const std::string& source) const {
     const auto& rows = document_.document().mappings;
-    return source.on && source.trouble.isEmpty() && (learning() || (rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) { return m.row.source == source.name; })));
+    return rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) { return m.row.source == source; });
 }
+
+bool InputDeck::wantsDevice(const Source& source) const { return source.on && source.trouble.isEmpty() && (learning() || isMapped(source.name)); }
 
 void InputDeck::followDevices() {
     for (Source& source : sources_)

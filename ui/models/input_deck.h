@@ -58,6 +58,11 @@ public:
     [[nodiscard]] bool hears() const { return thread_.hears(); }
     /// Opens or closes its port, or lets its device be heard or not.
     void setOn(std::size_t source, bool on);
+    /// What is named by a row of the document's table.
+    [[nodiscard]] bool isMapped(const std::string& source) const;
+    /// See HearingThread: while inputs wait, too.
+    void measure(const std::string& source) { thread_.measure(source); }
+    [[nodiscard]] std::optional<SourceMeasure> measured() const { return thread_.measured(); }
     // A source that is on is opened anew.
     void setPort(std::size_t source, int port);
     void setNetwork(std::size_t source, bool network);

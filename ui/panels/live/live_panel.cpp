@@ -35,7 +35,8 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& ou
     model_ = new MappingModel(document, inputs, this);
     left_ = new QWidget(this);
     auto* ends = new QWidget(left_);
-    sources_ = new SourceRows(inputs, ends);
+    auto* calibrator = new SourceCalibrator(document, inputs, this);
+    sources_ = new SourceRows(inputs, *calibrator, ends);
     fill(new QVBoxLayout(ends), QMargins(0, 0, 0, 0), Spacing{0}, sources_, new ReceiverRows(outputs, ends), Stretch{});
     letGo_ = named(new QPushButton(left_), "letGo");
     letGo_->setIcon(themedIcon(QStringLiteral("let-go")));
@@ -81,7 +82,10 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& ou
     connect(down_, &QToolButton::clicked, this, [this] { moveRow(1); });
     connect(remove_, &QToolButton::clicked, this, &LivePanel::removeRow);
     auto* top = fill(new QHBoxLayout, Spacing{2}, Share{guide_, 1}, Space{6}, goOn_, Space{6}, up_, down_, remove_, Space{6}, suggest_, load, save);
-    fill(new QVBoxLayout(middle), QMargins(0, 0, 0, 0), Spacing{6}, top, learn_, Share{view_, 1});
+    auto* calibration = named(new CalibrationBar(document, inputs, *calibrator, middle), "calibration");
+    connect(sources_, &SourceRows::calibrationWanted, calibration, &CalibrationBar::open);
+    connect(calibration, &CalibrationBar::opened, learn_, &QWidget::setHidden);
+    fill(new QVBoxLayout(middle), QMargins(0, 0, 0, 0), Spacing{6}, top, learn_, calibration, Share{view_, 1});
 
     right_ = new QWidget(this);
     form_ = new MappingForm(document, *model_, right_);

@@ -3,6 +3,7 @@
 
 #include <QWidget>
 
+#include "ui/panels/live/calibration_bar.h"
 #include "ui/panels/live/learn_bar.h"
 #include "ui/panels/live/mapping_form.h"
 #include "ui/panels/live/mapping_view.h"

@@ -70,7 +70,7 @@ bool troubled(const Source& source) { return !source.trouble.isEmpty() || source
 
 }  // namespace
 
-SourceRows::SourceRows(InputDeck& inputs, QWidget* parent) : QWidget(parent), inputs_(inputs) {
+SourceRows::SourceRows(InputDeck& inputs, SourceCalibrator& calibrator, QWidget* parent) : QWidget(parent), inputs_(inputs), calibrator_(calibrator) {
     list_ = new QVBoxLayout;
     list_->setSpacing(px(6));
     add_ = named(new QPushButton(this), "addSource");
@@ -83,6 +83,7 @@ SourceRows::SourceRows(InputDeck& inputs, QWidget* parent) : QWidget(parent), in
     fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), Spacing{px(6)}, list_, Share{add_, 0, Qt::AlignLeft}, Stretch{});
     connect(&inputs, &InputDeck::changed, this, &SourceRows::follow);
     connect(&inputs, &InputDeck::told, this, &SourceRows::tell);
+    connect(&calibrator, &SourceCalibrator::changed, this, &SourceRows::followCalibrations);
     connect(&Appearance::instance(), &Appearance::changed, this, &SourceRows::rebuild);
     rebuild();
 }
@@ -125,6 +126,10 @@ void SourceRows::addRow(std::size_t i) {
     auto* all = fill(new QVBoxLayout(row.all), QMargins(0, 0, 0, 0), Spacing{px(2)}, top);
     if (row.device) fill(all, fill(new QHBoxLayout, Space{row.on->sizeHint().width() + px(8)}, Share{row.device, 1}));
     all->addWidget(row.state);
+    row.calibrate = named(new QPushButton(row.all), ("calibrate-" + source.name).c_str());
+    row.calibrate->setProperty("flat", true);
+    connect(row.calibrate, &QPushButton::clicked, this, [this, name = source.name] { Q_EMIT calibrationWanted(name); });
+    fill(all, fill(new QHBoxLayout, Space{row.on->sizeHint().width() + px(8)}, Share{row.calibrate, 0, Qt::AlignLeft}, Stretch{}));
     list_->addWidget(row.all);
     rows_.push_back(row);
     names_.push_back(source.name);
@@ -196,6 +201,19 @@ void SourceRows::follow() {
         rows_[i].network->setToolTip(sources[i].network ? tr("Every machine that reaches this one may send. Click: programs on this machine alone.") : tr("Programs on this machine alone may send. Click: open the port to the network."));
     }
     tell();
+    followCalibrations();
+}
+
+void SourceRows::followCalibrations() {
+    const auto& sources = inputs_.sources();
+    for (std::size_t i = 0; i < rows_.size() && i < sources.size(); ++i) {
+        QPushButton& button = *rows_[i].calibrate;
+        button.setVisible(calibrator_.canCalibrate(sources[i]));
+        if (!button.isVisibleTo(rows_[i].all)) continue;
+        const auto poses = calibrator_.posesOf(sources[i].name);
+        button.setText(poses.empty() ? tr("Calibrate…") : tr("Calibrated, off by %1…").arg(residualText(mostOf(poses))));
+        button.setToolTip(tr("What this source says in a pose of yours becomes that pose of the character: who stands turned or leans, or wears a sensor askew, is put right."));
+    }
 }
 
 void SourceRows::tell() {

@@ -4,7 +4,7 @@
 #include <QWidget>
 #include <vector>
 
-#include "ui/models/input_deck.h"
+#include "ui/models/source_calibrator.h"
 
 class QComboBox;
 class QHBoxLayout;
@@ -22,7 +22,10 @@ class Switch;
 class SourceRows : public QWidget {
     Q_OBJECT
 public:
-    explicit SourceRows(InputDeck& inputs, QWidget* parent = nullptr);
+    SourceRows(InputDeck& inputs, SourceCalibrator& calibrator, QWidget* parent = nullptr);
+
+Q_SIGNALS:
+    void calibrationWanted(const std::string& source);
 
 protected:
     void changeEvent(QEvent* event) override;
@@ -35,6 +38,7 @@ private:
         QToolButton* network = nullptr;
         QComboBox* device = nullptr;  // of devices in the place of both
         QLabel* state = nullptr;
+        QPushButton* calibrate = nullptr;
     };
     void rebuild();
     void addRow(std::size_t source);
@@ -43,8 +47,10 @@ private:
     void fillDevices(QComboBox& box, const InputDeck::Source& source);
     void follow();
     void tell();
+    void followCalibrations();
 
     InputDeck& inputs_;
+    SourceCalibrator& calibrator_;
     QVBoxLayout* list_;
     QPushButton* add_;
     std::vector<Row> rows_;
