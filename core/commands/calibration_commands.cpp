@@ -92,7 +92,7 @@ Json shownCalibrations(const Document& document) {
 void addCalibrationCommands(CommandRegistry& registry) {
     using Type = CommandKey::Type;
     registry.addChange("calibrate-source",
-                       "Calibrates a source of live input in a pose: when it says these values, the character is to be in that pose. From one pose turns and places are moved there, and who faces another way is turned; from two or three, turns are fitted on both sides, "
+                       "Calibrates a source of live input in a pose: when it says these values, the character is to be in that pose. From one pose turns and places are moved there, and who faces another way is turned; from two or three, turns get other axes and a gain, "
                        "places are scaled and turned about the vertical, and single numbers get a gain, with the least squares left. It counts for all rows of the source but triggers, those that toggle, cycles and effects, and goes with its last row. "
                        "\"poses\" in the answer: how far off each of them is at most, turns in degrees, places in mm, weights in percent of their range (\"pose\" null: rest).",
                        {{"source", Type::Text, true, "Who sends it, as its rows name it."},

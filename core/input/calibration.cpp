@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <vector>
 
 #include "core/base/decompositions.h"
 
@@ -17,8 +17,7 @@ using Turns = std::span<const SaidAndMeant<Eigen::Quaterniond>>;
 constexpr double kNoFacing = 1e-6;
 /// How much what was there before counts where poses tell nothing about it.
 constexpr double kPrior = 1e-7;
-constexpr int kMostRounds = 60;
-constexpr double kSettled = 1e-14;
+constexpr double kFarthestReach = 3.0;  // radians
 
 /// The rotation r with the largest tr(r^T m).
 Eigen::Quaterniond nearestRotation(const Eigen::Matrix3d& m) {
@@ -28,18 +27,17 @@ Eigen::Quaterniond nearestRotation(const Eigen::Matrix3d& m) {
     return Eigen::Quaterniond(Eigen::Matrix3d(u * found.v.transpose())).normalized();
 }
 
-/// Which `before` the turns between poses tell; `prior` where they do not. False: none tells anything.
-bool tellBefore(Turns poses, Eigen::Quaterniond& before) {
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < poses.size(); ++i)
-        for (std::size_t j = i + 1; j < poses.size(); ++j) {
-            const Vec3 said = rotationVector(poses[j].said * poses[i].said.conjugate()), meant = rotationVector(poses[j].meant * poses[i].meant.conjugate());
-            if (said.norm() > kTurnTells && meant.norm() > kTurnTells) sum += meant * said.transpose();
-        }
-    if (sum.isZero(0.0)) return false;
-    // The prior of the second round has what poses tell, and takes nothing away from it.
-    for (int round = 0; round < 2; ++round) before = nearestRotation(sum + kPrior * sum.norm() * before.toRotationMatrix());
-    return true;
+/// How one pose is turned against another one.
+Vec3 turnFrom(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) { return rotationVector(b * a.conjugate()); }
+
+/// The poses that differ from the first one, in what is said and in what is meant.
+std::vector<SaidAndMeant<Vec3>> turnsFromFirst(Turns poses) {
+    std::vector<SaidAndMeant<Vec3>> made;
+    for (const auto& pose : poses.subspan(1)) {
+        const SaidAndMeant<Vec3> turn{turnFrom(poses[0].said, pose.said), turnFrom(poses[0].meant, pose.meant)};
+        if (turn.said.norm() > kTurnTells && turn.meant.norm() > kTurnTells) made.push_back(turn);
+    }
+    return made;
 }
 
 }  // namespace
@@ -60,22 +58,28 @@ Correction fitTurn(Turns poses, bool inRoom) {
         for (const auto& pose : poses) off += facingOf(pose.said * pose.meant.conjugate()).toRotationMatrix();
         before = facingOf(nearestRotation(off)).conjugate();
     }
-    const bool tells = tellBefore(poses, before);
-    const auto bestAfter = [&] {
-        if (poses.size() == 1) return ((before * poses[0].said).conjugate() * poses[0].meant).normalized();
+    const auto turns = turnsFromFirst(poses);
+    made.after = (before * poses[0].said).conjugate();
+    if (!turns.empty()) {
         Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-        for (const auto& pose : poses) sum += ((before * pose.said).conjugate() * pose.meant).toRotationMatrix();
-        return nearestRotation(sum);
-    };
-    made.after = bestAfter();
-    // Each in turn the best for the other one: the sum of squares only falls.
-    for (int round = 0; tells && round < kMostRounds; ++round) {
-        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-        for (const auto& pose : poses) sum += (pose.meant * (pose.said * made.after).conjugate()).toRotationMatrix();
-        const Eigen::Quaterniond was = std::exchange(before, nearestRotation(sum));
-        made.after = bestAfter();
-        if (1.0 - std::abs(was.dot(before)) < kSettled) break;
+        for (const auto& turn : turns) sum += turn.meant * turn.said.transpose();
+        // The prior of the second round has what poses tell, and takes nothing away from it.
+        for (int round = 0; round < 2; ++round) before = nearestRotation(sum + kPrior * sum.norm() * before.toRotationMatrix());
+        made.after = (before * poses[0].said).conjugate();
+        double along = 0.0, square = 0.0;
+        made.reach = 0.0;
+        for (const auto& turn : turns) {
+            along += (before * turn.said).dot(turn.meant);
+            square += turn.said.squaredNorm();
+            made.reach = std::max(made.reach, turn.said.norm());
+        }
+        made.gain = std::clamp(along / square, 1.0 / kLargestTurnGain, kLargestTurnGain);
+        made.reach = std::min(made.reach, kFarthestReach);
     }
+    // What is left is shared by all poses.
+    Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
+    for (const auto& pose : poses) left += (made.amplified(before * pose.said * made.after).conjugate() * pose.meant).toRotationMatrix();
+    made.last = poses.size() == 1 ? poses[0].meant : nearestRotation(left);
     return made;
 }
 

@@ -15,12 +15,13 @@ struct SaidAndMeant {
 };
 
 inline constexpr double kTurnTells = 0.15;        ///< radians: turns that differ by less are the same
+inline constexpr double kLargestTurnGain = 4.0;   ///< and its inverse is the least
 inline constexpr double kRangeTells = 0.05;       ///< of the range of a control
 inline constexpr double kLargestGain = 20.0;      ///< of numbers and places; and its inverse is the least
 
 /// Turns. `inRoom`: it says how it stands in the room, and who performs may face another way; else it is a turn about its parent.
-/// One pose, or some that hardly differ: before is the way it faces, about the vertical, or none; after is the rest, as a sensor is worn or a body stands. Two tell before as well, but for a turn about
-/// the axis between them, of which it has as little as can be. Three tell everything.
+/// One pose, or some that hardly differ: before is the way it faces, about the vertical, or none; the others are the rest, as a sensor is worn or a body stands. Two are met both: they tell before as
+/// well, but for a turn about the axis between them, of which it has as little as can be, and a gain. Three tell all of before.
 Correction fitTurn(std::span<const SaidAndMeant<Eigen::Quaterniond>> poses, bool inRoom);
 
 /// Places: moved; of two poses and more scaled and turned about the vertical, too. `facing`: that turn where poses do not tell it. `tells`: ways that are shorter are none.

@@ -65,7 +65,7 @@ TEST_CASE("calibration: who stands turned and leans is put right by one pose, an
     }
 }
 
-TEST_CASE("calibration: three poses of a turn tell both sides exactly, two all but what they do not differ by") {
+TEST_CASE("calibration: three poses of a turn tell both sides exactly, and every other turn; two are met both") {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     for (int i = 0; i < 50; ++i) {
@@ -78,10 +78,38 @@ TEST_CASE("calibration: three poses of a turn tell both sides exactly, two all b
         const Correction all = fitTurn(poses, false);
         for (const Turn& pose : poses) CHECK(degreesOff(all, pose) < 1e-6);
         CHECK(all.before.angularDistance(before) < 1e-8);
-        CHECK(all.after.angularDistance(after) < 1e-8);
+        CHECK(all.gain == doctest::Approx(1.0).epsilon(1e-9));
+        for (const Vec3& to : {Vec3(0.3, 0.4, -0.9), Vec3(-2.0, 0.5, 0.1)}) CHECK(degreesOff(all, {rotationOf(to), (before * rotationOf(to) * after).normalized()}) < 1e-5);
         const Correction two = fitTurn(std::span(poses).first(2), false);
         for (int k = 0; k < 2; ++k) CHECK(degreesOff(two, poses[static_cast<std::size_t>(k)]) < 1e-6);
     }
+}
+
+TEST_CASE("calibration: who turns farther than the character, or less far, gets a gain, which fades towards half a turn: nothing jumps there") {
+    for (const double gain : {0.5, 1.0, 1.8}) {
+        CAPTURE(gain);
+        const Eigen::Quaterniond stands = about(kZ, -30.0), meant = about(kY, 15.0);
+        const std::array poses = {Turn{stands, meant}, Turn{about(kX, 60.0) * stands, about(kX, 60.0 * gain) * meant}};
+        const Correction found = fitTurn(poses, false);
+        CHECK(found.gain == doctest::Approx(gain).epsilon(1e-9));
+        for (const Turn& pose : poses) CHECK(degreesOff(found, pose) < 1e-6);
+        CHECK(degreesOff(found, {about(kX, -30.0) * stands, about(kX, -30.0 * gain) * meant}) < 1e-6);
+        Eigen::Quaterniond before = corrected(found, stands);
+        double most = 0.0, all = 0.0;
+        for (int degree = 1; degree <= 360; ++degree) {
+            const Eigen::Quaterniond now = corrected(found, about(kX, degree) * stands);
+            const double step = now.angularDistance(before) / kDegree;
+            most = std::max(most, step);
+            all += step;
+            before = now;
+        }
+        CHECK(all == doctest::Approx(360.0).epsilon(1e-6));
+        CHECK(most < 1.9);
+    }
+    // Beyond what is sane it is not followed.
+    const std::array wild = {Turn{Eigen::Quaterniond::Identity(), Eigen::Quaterniond::Identity()}, Turn{about(kX, 10.0), about(kX, 90.0)}};
+    CHECK(fitTurn(wild, false).gain == kLargestTurnGain);
+    CHECK(degreesOff(fitTurn(wild, false), wild[1]) == doctest::Approx(25.0).epsilon(1e-6));
 }
 
 TEST_CASE("calibration: what trembles leaves a residual of its size, in each pose") {
