@@ -57,6 +57,7 @@ struct InputDriver::Tables {
     Pose pose;  // of the document, or rest
     std::vector<Driven> driven;
     std::vector<Turned> turned;
+    std::vector<Limb> limbs;
     std::vector<Posed> posed;
     std::vector<std::size_t> keptOf;  // of each of posed, in the document
     std::vector<Cycled> cycles;
@@ -319,10 +320,23 @@ struct InputDriver::Tables {
             if (!bone) continue;
             const Turned* was = turnedBefore(bone->part);
             bone->baseLength = was && before->poses_ ? was->length : (pose.points[static_cast<std::size_t>(bones[b].end)] - pose.points[static_cast<std::size_t>(bones[b].start)]).norm() / bones[b].length;
-            const bool turnedByRow = std::ranges::any_of(bone->slotNumbers, [](int slot) { return slot >= 0; });
-            bone->pinned = !turnedByRow && endIsPinned(b);
+            bone->pinned = !bone->hasRow() && endIsPinned(b);
         }
         return parts;
+    }
+
+    /// After sortTurned(). A limb ends where a row may place the end of a bone, and begins after the last bone that others hang on, too.
+    void addLimbs() {
+        std::vector<int> children(turned.size(), 0);
+        for (const Turned& t : turned)
+            if (t.parent >= 0) ++children[static_cast<std::size_t>(t.parent)];
+        for (std::size_t b = 0; b < turned.size(); ++b) {
+            const auto& slots = driven[turned[b].end].slotNumbers;
+            if (std::all_of(slots.begin(), slots.begin() + 3, [](int slot) { return slot < 0; })) continue;
+            Limb limb{{b}};
+            for (int up = turned[b].parent; up >= 0 && children[static_cast<std::size_t>(up)] == 1 && !turned[static_cast<std::size_t>(up)].pinned; up = turned[static_cast<std::size_t>(up)].parent) limb.bones.push_back(static_cast<std::size_t>(up));
+            limbs.push_back(std::move(limb));
+        }
     }
 
     /// After sortTurned().
@@ -435,21 +449,25 @@ struct InputDriver::Tables {
 InputDriver::InputDriver(const Document& document, const CharacterPlan& plan, std::span<const std::string> oscSources, std::span<const std::string> cycleSources, const InputDriver* before)
     : InputDriver([&] {
           const Skeleton& skeleton = plan.input.skeleton;
-          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}, {}, before && before->isIn(document, plan) ? before : nullptr, {}, {}, {}, {}, {}};
+          Tables tables{document, plan, boneTree(skeleton), fits(skeleton, document.pose) ? document.pose : restPose(skeleton), {}, {}, {}, {}, {}, {}, {}, before && before->isIn(document, plan) ? before : nullptr, {}, {}, {}, {}, {}};
           tables.addMappings();
           tables.addDirectNames(oscSources, cycleSources);
           const auto parts = tables.placePoses();
           tables.sortTurned();
+          tables.addLimbs();
           tables.addTurnsOfPoses(parts);
           for (Driven& driven : tables.driven) rebase(driven);
           return tables;
       }()) {}
 
 InputDriver::InputDriver(Tables&& tables)
-    : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), posed_(std::move(tables.posed)), cycles_(std::move(tables.cycles)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest, std::move(tables.calibrated.corrections)) {
+    : driven_(std::move(tables.driven)), turned_(std::move(tables.turned)), limbs_(std::move(tables.limbs)), posed_(std::move(tables.posed)), cycles_(std::move(tables.cycles)), rowOf_(std::move(tables.rowOf)), mapper_(std::move(tables.rows), tables.shown, tables.rest, std::move(tables.calibrated.corrections)) {
     moved_.reserve(driven_.size());
     weighPoses();
     for (Posed& pose : posed_) pose.before = pose.weight;
+    for (const Limb& limb : limbs_) limbPoints_.resize(std::max(limbPoints_.size(), limb.bones.size() + 1));
+    limbLengths_.resize(limbPoints_.size());
+    takePosesOut();
     for (const int slot : tables.letGo) mapper_.letGo(slot);
 }
 

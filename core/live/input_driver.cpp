@@ -59,26 +59,28 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
         driven.moved = !driven.byHand && ((posed && driven.posed) || moves(driven.slotNumbers));
         if (!driven.moved) continue;
         LiveInput& input = driven.input;
-        const auto put = [&](std::size_t slot, double& to, double rest, double base, double added) {
-            if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]) + added;
+        const auto put = [&](std::size_t slot, double& to, double rest, double byPoses, double base, double added) {
+            if (driven.slotNumbers[slot] >= 0) to = rest + mapper_.shown(driven.slotNumbers[slot]) + byPoses;
             else if (driven.posed) to = base + added;
         };
         if (input.isNumber()) {
-            put(0, input.weight, 0.0, driven.base.weight, driven.addedWeight);
+            put(0, input.weight, 0.0, driven.weightByPoses, driven.base.weight, driven.addedWeight);
             if (input.kind == LiveInput::Kind::Effect) input.weight = withinProperty(input);
         } else {
-            for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(k), input.target[k], driven.rest[k], driven.base.target[k], driven.added[k]);
+            for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(k), input.target[k], driven.rest[k], driven.byPoses[k], driven.base.target[k], driven.added[k]);
             if (input.kind == LiveInput::Kind::End) {
                 if (driven.slotNumbers[3] >= 0) input.roll = mapper_.shown(driven.slotNumbers[3]);
                 input.hasRoll = input.hasRoll || (driven.slotNumbers[3] >= 0 && mapper_.winner(driven.slotNumbers[3]) >= 0);
             } else {
-                for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(3 + k), driven.turn[k], 0.0, driven.baseTurn[k], driven.addedTurn[k]);
+                for (Eigen::Index k = 0; k < 3; ++k) put(static_cast<std::size_t>(3 + k), driven.turn[k], 0.0, driven.turnByPoses[k], driven.baseTurn[k], driven.addedTurn[k]);
                 if (driven.posed || driven.slotNumbers[3] >= 0 || driven.slotNumbers[4] >= 0 || driven.slotNumbers[5] >= 0) input.rotation = rotationOf(driven.turn);
             }
         }
     }
-    if (turns || std::any_of(turned_.begin(), turned_.end(), [&](const Turned& t) { return t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved; }))
+    if (turns || std::ranges::any_of(turned_, [&](const Turned& t) { return (t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved) || (poses_ && driven_[t.end].moved); })) {
+        turnAll();
         for (Turned& bone : turned_) follow(bone);
+    }
     for (const Driven& driven : driven_)
         if (driven.moved) moved_.push_back(driven.input);
     return moved_;
@@ -107,22 +109,46 @@ bool InputDriver::addPoses() {
     if (!moved) return false;
     weighPoses();
     poses_ = true;
-    for (Turned& bone : turned_) bone.added.setZero(), bone.longer = 0.0;
-    for (Driven& driven : driven_) driven.added.setZero(), driven.addedTurn.setZero(), driven.addedWeight = 0.0;
+    sumPoses();
+    return true;
+}
+
+void InputDriver::sumPoses() {
+    for (Turned& bone : turned_) bone.added.setZero(), bone.byPoses.setZero(), bone.longer = bone.longerByPoses = 0.0;
+    for (Driven& driven : driven_) {
+        driven.added.setZero(), driven.addedTurn.setZero(), driven.addedWeight = 0.0;
+        driven.byPoses.setZero(), driven.turnByPoses.setZero(), driven.weightByPoses = 0.0;
+    }
     for (const Posed& pose : posed_) {
-        const double weight = pose.weight - pose.before;
+        const double more = pose.weight - pose.before;
         for (const Posed::OfBone& b : pose.bones) {
-            turned_[b.turned].added += weight * b.turn;
-            turned_[b.turned].longer += weight * b.longer;
+            Turned& bone = turned_[b.turned];
+            bone.added += more * b.turn;
+            bone.longer += more * b.longer;
+            bone.byPoses += pose.weight * b.turn;
+            bone.longerByPoses += pose.weight * b.longer;
         }
         for (const Posed::OfThing& t : pose.things) {
             Driven& driven = driven_[t.driven];
-            driven.added += weight * t.by;
-            driven.addedTurn += weight * t.turn;
-            driven.addedWeight += weight * t.weight;
+            driven.added += more * t.by;
+            driven.addedTurn += more * t.turn;
+            driven.addedWeight += more * t.weight;
+            driven.byPoses += pose.weight * t.by;
+            driven.turnByPoses += pose.weight * t.turn;
+            driven.weightByPoses += pose.weight * t.weight;
         }
     }
-    return true;
+}
+
+void InputDriver::takePosesOut() {
+    sumPoses();
+    turnAll();
+    for (const Driven& driven : driven_) {
+        const Vec3 turn = driven.input.kind == LiveInput::Kind::Handle ? driven.turnByPoses : Vec3::Zero();
+        const std::array<double, 6> out = {driven.input.isNumber() ? driven.weightByPoses : driven.byPoses.x(), driven.byPoses.y(), driven.byPoses.z(), turn.x(), turn.y(), turn.z()};
+        for (std::size_t k = 0; k < out.size(); ++k)
+            if (const int slot = driven.slotNumbers[k]; slot >= 0 && out[k] != 0.0) mapper_.setByHand(slot, false, mapper_.shown(slot) - out[k]);
+    }
 }
 
 void InputDriver::rebase(Driven& driven) {
@@ -132,24 +158,86 @@ void InputDriver::rebase(Driven& driven) {
     driven.baseTurn = driven.turn - driven.addedTurn;
 }
 
-bool InputDriver::placed(const Driven& driven) const {
-    return std::any_of(driven.slotNumbers.begin(), driven.slotNumbers.begin() + 3, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; });
-}
-
-void InputDriver::follow(Turned& bone) {
-    const bool mine = std::ranges::any_of(bone.slotNumbers, [](int slot) { return slot >= 0; });
+void InputDriver::turn(Turned& bone) {
     for (std::size_t k = 0; k < bone.slotNumbers.size(); ++k) {
         const auto axis = static_cast<Eigen::Index>(k);
         bone.turn[axis] = (bone.slotNumbers[k] >= 0 ? mapper_.shown(bone.slotNumbers[k]) : bone.base[axis]) + bone.added[axis];
     }
     const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
-    bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
-    Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
-    bone.startNow = parent && !(start && placed(*start)) ? Vec3(parent->startNow + parent->now * (parent->length * bone.fromParent)) : start ? start->input.target : bone.startAt;
-    const bool moves = mine || bone.between || poses_;  // else it only carries others
+    const Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
+    const bool hangs = parent && !(start && placed(*start));
+    bone.startNow = hangs ? Vec3(parent->startNow + parent->now * (parent->length * bone.fromParent)) : start ? start->input.target : bone.startAt;
+    bone.unposedStart = hangs ? Vec3(parent->unposedStart + parent->unposedNow * (parent->unposedLength * bone.fromParent)) : start ? Vec3(start->input.target - start->byPoses) : bone.startAt;
     // A row that turns a bone gives it its length at rest; poses have lengths of their own.
-    bone.length = mine && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
-    if (start && !parent && moves) start->moved = !start->byHand;  // held, too
+    bone.length = bone.hasRow() && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
+    bone.unposedLength = std::max(bone.length - bone.longerByPoses, kShortest);
+    bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
+    bone.unposedNow = (parent ? parent->unposedNow : bone.parentTurn) * rotationOf(bone.turn - bone.byPoses);
+    if (bone.led) bone.now = bone.ledNow, bone.length = bone.ledLength;
+}
+
+void InputDriver::turnAll() {
+    for (Turned& bone : turned_) bone.led = false, turn(bone);
+    for (const Limb& limb : limbs_) {
+        const Turned& last = turned_[limb.bones.front()];
+        Driven& end = driven_[last.end];
+        end.byPoses = last.endNow() - last.unposedEnd();
+        if (!poses_ || end.byHand || !placed(end)) continue;
+        end.input.target = last.endNow();
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const auto axis = static_cast<Eigen::Index>(k); leads(end.slotNumbers[k])) end.input.target[axis] = end.rest[axis] + mapper_.shown(end.slotNumbers[k]) + end.byPoses[axis];
+        lead(limb);
+        for (Turned& bone : turned_) turn(bone);
+    }
+}
+
+/// FABRIK (Aristidou and Lasenby 2011) from where poses have the limb, so that it keeps their shape. What is left after these rounds, as of a limb that is too short or is pushed along itself, goes to all its bones.
+void InputDriver::lead(const Limb& limb) {
+    constexpr int kRounds = 24;
+    constexpr double kMet = 1e-6;  // of the limb's length
+    std::size_t n = 1;
+    const auto isLed = [this](const Turned& bone) { return std::ranges::any_of(bone.slotNumbers, [this](int slot) { return leads(slot); }); };
+    while (n < limb.bones.size() && !isLed(turned_[limb.bones[n]]) && !placed(driven_[turned_[limb.bones[n]].end])) ++n;
+    const auto bone = [&](std::size_t i) -> Turned& { return turned_[limb.bones[n - 1 - i]]; };
+    const Turned& last = bone(n - 1);
+    const Vec3 target = driven_[last.end].input.target;
+    const auto startOf = [&](std::size_t i) { return i < n ? bone(i).startNow : last.endNow(); };
+    double whole = 0.0;
+    for (std::size_t i = 0; i <= n; ++i) limbPoints_[i] = startOf(i);
+    for (std::size_t i = 0; i < n; ++i) whole += limbLengths_[i] = (limbPoints_[i + 1] - limbPoints_[i]).norm();
+    if (!(whole > 0.0)) return;
+    const auto pull = [&](std::size_t i, const Vec3& from, double length) {
+        const Vec3 way = limbPoints_[i] - from;
+        if (const double far = way.norm(); far > 0.0) limbPoints_[i] = from + length / far * way;
+    };
+    for (int round = 0; round < kRounds && (limbPoints_[n] - target).norm() > kMet * whole; ++round) {
+        limbPoints_[n] = target;
+        for (std::size_t i = n; i-- > 1;) pull(i, limbPoints_[i + 1], limbLengths_[i]);
+        for (std::size_t i = 1; i <= n; ++i) pull(i, limbPoints_[i - 1], limbLengths_[i - 1]);
+    }
+    const Vec3 left = target - limbPoints_[n];
+    double along = 0.0;
+    for (std::size_t i = 1; i <= n; ++i) limbPoints_[i] += (along += limbLengths_[i - 1]) / whole * left;
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3 was = startOf(i + 1) - startOf(i), is = limbPoints_[i + 1] - limbPoints_[i];
+        Turned& led = bone(i);
+        led.led = true;
+        led.ledNow = led.now;
+        led.ledLength = led.length;
+        if (!(was.norm() > 0.0 && is.norm() > 0.0)) continue;
+        led.ledNow = (minimalRotation(was.normalized(), is.normalized()) * led.now).normalized();
+        led.ledLength *= is.norm() / was.norm();
+    }
+}
+
+void InputDriver::follow(Turned& bone) {
+    const bool mine = bone.hasRow();
+    const Turned* parent = bone.parent >= 0 ? &turned_[static_cast<std::size_t>(bone.parent)] : nullptr;
+    const bool moves = mine || bone.between || poses_;  // else it only carries others
+    if (bone.start >= 0 && !parent && moves) {
+        Driven& start = driven_[static_cast<std::size_t>(bone.start)];
+        start.moved = !start.byHand;  // held, too
+    }
     const Eigen::Quaterniond& carried = parent ? parent->untwisted : bone.parentUntwisted;
     const Vec3 way = bone.now * (bone.length * bone.along), direction = way.normalized();
     bone.untwisted = (minimalRotation(carried * bone.along.normalized(), direction) * carried).normalized();
@@ -214,7 +302,7 @@ void InputDriver::hold(const LiveInput& held) {
         // What only poses move was taken hold of where it is, and goes on by them.
         const auto restarts = [&](int slot) { return slot >= 0 && (byHand || !driven.posed || mapper_.winner(slot) >= 0); };
         if (input.isNumber()) {
-            if (restarts(driven.slotNumbers[0])) mapper_.setByHand(driven.slotNumbers[0], false, held.weight - driven.addedWeight);
+            if (restarts(driven.slotNumbers[0])) mapper_.setByHand(driven.slotNumbers[0], false, held.weight - driven.weightByPoses);
             input.weight = held.weight;
             continue;
         }
@@ -223,7 +311,7 @@ void InputDriver::hold(const LiveInput& held) {
         input.roll = held.roll;
         driven.turn = rotationVector(held.rotation);
         if (byHand) rebase(driven);
-        const Vec3 place = held.target - driven.added - driven.rest, turn = driven.turn - driven.addedTurn;
+        const Vec3 place = held.target - driven.byPoses - driven.rest, turn = driven.turn - driven.turnByPoses;
         const std::array<double, 6> shown = {place.x(), place.y(), place.z(), input.kind == LiveInput::Kind::End ? held.roll : turn.x(), turn.y(), turn.z()};
         for (std::size_t k = 0; k < shown.size(); ++k)
             if (restarts(driven.slotNumbers[k])) mapper_.setByHand(driven.slotNumbers[k], false, shown[k]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -66,10 +67,27 @@ private:
         double baseLength = 1.0, longer = 0.0;           ///< over that at rest, the same
         bool pinned = false;               ///< its end stays where it is pinned
         bool between = false;              ///< nothing turns it but what it hangs on
+        Vec3 byPoses = Vec3::Zero();       ///< of the turn, all that is of poses
+        double longerByPoses = 0.0;
         // Of the last step
         Eigen::Quaterniond now = Eigen::Quaterniond::Identity(), untwisted = Eigen::Quaterniond::Identity();  ///< world; the latter without twist
         Vec3 startNow = Vec3::Zero();
         double length = 1.0;               ///< over that at rest
+        // The same without poses
+        Eigen::Quaterniond unposedNow = Eigen::Quaterniond::Identity();
+        Vec3 unposedStart = Vec3::Zero();
+        double unposedLength = 1.0;
+        // It goes along with the end of its limb
+        bool led = false;
+        Eigen::Quaterniond ledNow = Eigen::Quaterniond::Identity();
+        double ledLength = 1.0;
+        [[nodiscard]] bool hasRow() const { return std::ranges::any_of(slotNumbers, [](int slot) { return slot >= 0; }); }
+        [[nodiscard]] Vec3 endNow() const { return startNow + now * (length * along); }
+        [[nodiscard]] Vec3 unposedEnd() const { return unposedStart + unposedNow * (unposedLength * along); }
+    };
+    /// Bones whose last end rows may place: where poses move them, what rows say is added to that, and the bones before the last one go along.
+    struct Limb {
+        std::vector<std::size_t> bones;    ///< of turned_, from the last one up
     };
     /// What is moved as one: a handle, an end of a bone, a morph target, a number of an effect.
     struct Driven {
@@ -79,8 +97,10 @@ private:
         Vec3 turn = Vec3::Zero();        ///< of a handle, as a rotation vector
         LiveInput base;                  ///< without poses, where no slot says it
         Vec3 baseTurn = Vec3::Zero();
-        Vec3 added = Vec3::Zero(), addedTurn = Vec3::Zero();  ///< by poses
+        Vec3 added = Vec3::Zero(), addedTurn = Vec3::Zero();  ///< by poses, to the base
         double addedWeight = 0.0;
+        Vec3 byPoses = Vec3::Zero(), turnByPoses = Vec3::Zero();  ///< all that is of poses
+        double weightByPoses = 0.0;
         bool posed = false;              ///< poses add something
         std::array<int, 6> slotNumbers{-1, -1, -1, -1, -1, -1};  ///< x y z, turn x y z; of an end roll in place of the turn, of a number that first
         bool moved = false;  ///< in the last step
@@ -115,8 +135,16 @@ private:
     };
     struct Tables;
     explicit InputDriver(Tables&& tables);
+    /// A row drives it, or did and lets go.
+    [[nodiscard]] bool leads(int slot) const { return slot >= 0 && (mapper_.winner(slot) >= 0 || mapper_.letsGo(slot)); }
     /// Something drives its place.
-    [[nodiscard]] bool placed(const Driven& driven) const;
+    [[nodiscard]] bool placed(const Driven& driven) const { return std::any_of(driven.slotNumbers.begin(), driven.slotNumbers.begin() + 3, [this](int slot) { return leads(slot); }); }
+    /// Where forward kinematics has it, with and without poses.
+    void turn(Turned& bone);
+    void turnAll();
+    /// Bends a limb so that its end comes where rows place it. Bones that rows turn or place themselves, and what is above them, stay.
+    void lead(const Limb& limb);
+    /// Gives its end where it is.
     void follow(Turned& bone);
     [[nodiscard]] const Cycled* cycleNamed(std::string_view name) const;  ///< null: nobody drives it
     /// What cycles and poses move is held, and the document has it where this driver has put it last.
@@ -131,12 +159,18 @@ private:
     void weighPoses();
     /// Sums what poses add. False: none moved.
     bool addPoses();
+    void sumPoses();
+    /// What is shown without poses: what slots begin from.
+    void takePosesOut();
     /// From now on its base is what makes it what it is.
     static void rebase(Driven& driven);
     /// A bone that is turned points where its end was left, so that it goes on from there.
     void pointAt(Turned& bone, const Vec3& end);
     std::vector<Driven> driven_;
     std::vector<Turned> turned_;     // parents before children
+    std::vector<Limb> limbs_;        // parents before children
+    std::vector<Vec3> limbPoints_;   // room of lead(), with
+    std::vector<double> limbLengths_;
     std::vector<Posed> posed_;
     std::vector<Cycled> cycles_;
     bool poses_ = false;             // one has moved

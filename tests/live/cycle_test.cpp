@@ -208,6 +208,54 @@ TEST_CASE("cycle: it is added to what drives poses, and several cycles to each o
     CHECK(smile == doctest::Approx(0.25 * 0.9 + 0.5 * smileAt(phase) + 0.3 * cycleWeight(1, 2, 2.0 * phase)).epsilon(1e-9));
 }
 
+TEST_CASE("cycle: what rows say of the end of a limb is added to what it makes of that, the limb goes along, and a new driver goes on so") {
+    Dancer d;
+    d.map("up", "bone/b/end/y", {{"in", {-1.0, 1.0}}, {"out", {-0.5, 0.5}}});
+    const CharacterPlan& plan = d.session.plan();
+    const int tip = plan.pointIndex(*d.session.document().endpoint("b/end"));
+    InputDriver alone = d.driver(), both = d.driver();
+    std::map<int, Vec3> shown, added;
+    const auto step = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            for (const auto& [point, place] : after(alone, plan, 1).places) shown[point] = place;
+            for (const auto& [point, place] : after(both, plan, 1).places) added[point] = place;
+        }
+    };
+    for (InputDriver* driver : {&alone, &both}) REQUIRE(driver->take(valueOf("face", "much", {1.0})));
+    step(30);
+    REQUIRE(both.take(valueOf("face", "up", {1.0})));
+    double before = 0.0;
+    for (int i = 0; i < 100; ++i) {
+        step(1);
+        const double up = (added[tip] - shown[tip]).y();
+        // It comes by a glide, and stays while the cycle goes on.
+        CHECK(up >= before - 1e-9);
+        before = up;
+        CHECK((added[tip] - shown[tip] - Vec3(0.0, up, 0.0)).norm() < 1e-9);
+        // Bones keep the lengths that the cycle gives them.
+        for (const auto& b : plan.input.skeleton.bones) {
+            const double is = (added[b.end] - added[b.start]).norm(), was = (shown[b.end] - shown[b.start]).norm();
+            CHECK(is == doctest::Approx(was).epsilon(0.03));  // the chain is too short where the cycle stretches it
+        }
+    }
+    CHECK(before == doctest::Approx(0.5).epsilon(1e-9));
+    // Where there is nothing of the cycle any more, the limb still goes along, and is at rest where its end is.
+    for (InputDriver* driver : {&alone, &both}) REQUIRE(driver->take(valueOf("face", "much", {0.0})));
+    step(2 * kSettle);
+    const Skeleton& skeleton = plan.input.skeleton;
+    CHECK((added[tip] - skeleton.points[static_cast<std::size_t>(tip)] - Vec3(0.0, 0.5, 0.0)).norm() < 1e-9);
+    int middle = 0;
+    for (const auto& b : skeleton.bones)
+        if (b.end != tip) {
+            CHECK(added[b.end].y() > skeleton.points[static_cast<std::size_t>(b.end)].y() + 0.01);
+            ++middle;
+        }
+    CHECK(middle > 0);
+    REQUIRE(both.take(valueOf("face", "up", {0.0})));
+    step(2 * kSettle);
+    for (const auto& [point, place] : added) CHECK((place - skeleton.points[static_cast<std::size_t>(point)]).norm() < 1e-9);
+}
+
 TEST_CASE("cycle: everybody who sends OSC drives it by its name, one source may be given cycles alone, and rows of the table win over both") {
     Dancer d;
     bool named = false;
