@@ -259,6 +259,17 @@ bool InputDriver::holds(const LiveInput& input) const {
     return std::any_of(driven_.begin(), driven_.end(), [&](const Driven& d) { return d.held && d.input.sameTarget(input); });
 }
 
+bool InputDriver::moves(const LiveInput& input) const {
+    const auto driven = [this](const auto& slots) { return std::ranges::any_of(slots, [this](int slot) { return slot >= 0 && mapper_.winner(slot) >= 0; }); };
+    if (std::ranges::any_of(posed_, [](const Posed& pose) { return std::abs(pose.weight) > kNothing; }) || cycling()) return true;
+    const auto thing = std::ranges::find_if(driven_, [&](const Driven& d) { return d.input.sameTarget(input); });
+    if (thing == driven_.end()) return false;
+    if (driven(thing->slotNumbers)) return true;
+    // Bones that are turned hang on others, which are held for them.
+    const auto index = static_cast<std::size_t>(thing - driven_.begin());
+    return std::ranges::any_of(turned_, [&](const Turned& t) { return t.end == index || t.start == static_cast<int>(index); }) && std::ranges::any_of(turned_, [&](const Turned& t) { return driven(t.slotNumbers); });
+}
+
 void InputDriver::giveToHand(const LiveInput& held) {
     for (Driven& driven : driven_) {
         if (!driven.input.sameTarget(held)) continue;

@@ -34,6 +34,8 @@ public:
     void hold(const LiveInput& held);
     /// True after hold(). The stepping thread gives a number to the character only then, so that undo can restore the number from before.
     [[nodiscard]] bool holds(const LiveInput& input) const;
+    /// A row drives it, or there is something of a pose or a cycle.
+    [[nodiscard]] bool moves(const LiveInput& input) const;
     /// Numbers must be held anew.
     void forgetNumbers();
     /// A hand has what such an input moves: nothing else drives it until hold().

@@ -52,6 +52,19 @@ Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const Liv
     return std::optional(std::move(made));
 }
 
+Json releasingOf(const Session& session, const LiveInput& input) {
+    const Document& document = session.document();
+    if (input.kind == LiveInput::Kind::Handle) {
+        if (input.handle >= static_cast<int>(session.plan().handles.size())) return nullptr;
+        const auto goal = document.handleGoals.find(session.plan().handles[static_cast<std::size_t>(input.handle)]);
+        return goal != document.handleGoals.end() && goal->second.target.held ? Json{{"do", "release"}, {"endpoint", handleName(session, input)}} : Json();
+    }
+    const int point = session.plan().pointIndex(input.end);
+    for (const auto& [end, goal] : document.goals)
+        if (point >= 0 && session.plan().pointIndex(end) == point) return goal.pinned ? Json() : Json{{"do", "release"}, {"endpoint", endpointText(document, input.end)}};
+    return nullptr;
+}
+
 LiveInput asDriven(const CharacterPlan& plan, LiveInput input) {
     if (input.kind != LiveInput::Kind::End) return input;
     const int point = plan.pointIndex(input.end);

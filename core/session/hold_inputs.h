@@ -18,6 +18,9 @@ struct TakingHold {
 /// None: it needs no hold. Errors: those of Session::poseOf() and positionOf().
 Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const LiveInput& input);
 
+/// The command that lets go what takingHoldOf() took hold of; null: nothing holds it any more, or a pin does.
+Json releasingOf(const Session& session, const LiveInput& input);
+
 /// The same input with the name that InputDriver has for what it moves: ends of several bones may be the same point.
 LiveInput asDriven(const CharacterPlan& plan, LiveInput input);
 

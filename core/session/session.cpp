@@ -334,6 +334,7 @@ bool Session::give(const LiveInput& input) {
     if (!performer_ || !performer_->give(input)) return false;
     InputFeed* feed = performer_->feed();
     const LiveInput held = feed ? asDriven(plan(), input) : input;
+    std::erase_if(heldForInputs_, [&](const LiveInput& known) { return known.sameTarget(held); });  // the artist's, from now on
     if (!feed || std::any_of(byHand_.begin(), byHand_.end(), [&](const LiveInput& known) { return known.sameTarget(held); })) return true;
     byHand_.push_back(held);
     (void)feed->giveToHand(held);
@@ -385,11 +386,35 @@ Result<bool> Session::holdInputs() {
         if (auto done = execute(hold->command); !done) return tl::unexpected(done.error());
         if (refused->kind == LiveInput::Kind::Morph) history_.passesOn(refused->morph);
         if (refused->kind == LiveInput::Kind::Effect) history_.effectsPassOn();
+        if (!refused->isNumber()) heldForInputs_.push_back(*refused);
         held = true;
         feed = performer_->feed();
         if (feed) (void)feed->hold(hold->held);
     }
     return held;
+}
+
+bool Session::inputsLeft() {
+    const InputFeed* feed = performer_ ? performer_->feed() : nullptr;
+    if (!feed || heldForInputs_.empty() || moving() || feed->refuses()) return false;
+    if (std::exchange(lookedAt_, performer_->frame().step) == performer_->frame().step) return false;
+    const ParkedPerformer parked(performer_.get());
+    return std::ranges::any_of(heldForInputs_, [&](const LiveInput& held) { return !feed->driver().moves(held); });
+}
+
+Result<void> Session::releaseInputs() {
+    const InputFeed* feed = performer_ ? performer_->feed() : nullptr;
+    if (!feed) return {};
+    const ParkedPerformer parked(performer_.get());
+    std::vector<Json> commands;
+    std::erase_if(heldForInputs_, [&](const LiveInput& held) {
+        if (feed->driver().moves(held)) return false;
+        if (Json command = releasingOf(*this, held); !command.is_null()) commands.push_back(std::move(command));
+        return true;
+    });
+    for (const Json& command : commands)
+        if (auto done = execute(command); !done) return tl::unexpected(done.error());
+    return {};
 }
 
 bool Session::takeFrame() {
@@ -502,6 +527,7 @@ void SessionAccess::replace(Project project, std::filesystem::path path, bool sa
     session.former_.emplace(std::exchange(session.history_, std::move(history)), responses.replace({std::move(project.responses), {}}));
     session.historyMoved_ = true;
     live.replace();
+    session.heldForInputs_.clear();
     session.pendingChange_.replaced = session.pendingChange_.pose = session.pendingChange_.responses = session.pendingChange_.file = true;
 }
 

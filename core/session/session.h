@@ -122,6 +122,10 @@ public:
     [[nodiscard]] bool inputsWait() const;
     /// Grabs, by commands, every target that live input moves and that nothing holds. Undo of these commands restores what was before. True: something was grabbed. Errors: those of "drag", "morph" and "set".
     Result<bool> holdInputs();
+    /// All is at rest, and something that holdInputs() grabbed is moved by no live input any more (InputDriver::moves()): releaseInputs() is due. True once for each rest.
+    [[nodiscard]] bool inputsLeft();
+    /// Lets that go, by commands. Errors: those of "release".
+    Result<void> releaseInputs();
     /// Questions are answered from the frame that was stepped last, from now on. False: none was stepped since the last call.
     bool takeFrame();
     /// The last frame that was taken, while frames are stepped on a thread of their own: how many were stepped, and what it took, ms. None: they are not.
@@ -192,6 +196,8 @@ private:
     DocumentResponses responses_;
     std::unique_ptr<LiveCharacter> live_;
     std::unique_ptr<Performer> performer_;  // null: frames are stepped here
+    std::vector<LiveInput> heldForInputs_;  // ends and handles that holdInputs() grabbed
+    std::uint64_t lookedAt_ = 0;            // the step at which inputsLeft() looked last
     std::vector<LiveInput> byHand_;         // what the gesture that goes on was given by give()
     std::function<void(const Change&)> listener_;
     Services services_ = coreServices();

@@ -226,6 +226,11 @@ TEST_CASE("cycles: suggested by one click, the amount fader makes the character 
         return stays([&] { return w.head() == still; });
     });
     CHECK((w.head() - rest).norm() < 1e-4);
+    // And holds nothing any more, as one step.
+    waitFor([&] { return w.now().goals.empty(); });
+    CHECK(w.document().session().steps().back().name == "release");
+    w.trigger("undo");
+    CHECK(!w.now().goals.empty());
 }
 
 TEST_CASE("cycles: speed runs it backwards and stops it, and letting everything go lets the faders go") {
@@ -248,6 +253,7 @@ TEST_CASE("cycles: speed runs it backwards and stops it, and letting everything 
     CHECK(w.cycles().amount()->value() == 0);
     CHECK(w.cycles().speed()->value() == 100);
     waitFor([&] { return (w.head() - rest).norm() < 1e-4; });
+    waitFor([&] { return w.now().goals.empty(); });
     // Drawn up again, it goes on.
     w.cycles().amount()->setValue(60);
     waitFor([&] { return (w.head() - rest).norm() > 0.02; });

@@ -431,6 +431,7 @@ void InputDeck::goOn() {
 void InputDeck::tell() {
     takeMeters();
     takeHold();  // a gesture may have been in the way when the last step was made
+    if (feed_ && !document_.inGesture()) document_.releaseInputs();
     const bool rate = !rated_.isValid() || rated_.elapsed() >= kRateMs;
     const double seconds = rated_.isValid() ? 1e-3 * double(rated_.elapsed()) : 1.0;
     if (rate) rated_.start();

@@ -182,6 +182,16 @@ bool StudioDocument::holdInputs() {
     return true;
 }
 
+void StudioDocument::releaseInputs() {
+    if (!session_.inputsLeft()) return;
+    Gesture gesture(*this);
+    if (const auto released = session_.releaseInputs(); !released) {
+        Q_EMIT failed(errorText(released.error()));
+        return;
+    }
+    gesture.commit({"release", {}});
+}
+
 // One event at a time, however fast steps follow each other.
 void StudioDocument::askForFrame() {
     if (!frameAsked_.exchange(true)) QMetaObject::invokeMethod(this, &StudioDocument::takeFrame, Qt::QueuedConnection);

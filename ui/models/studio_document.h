@@ -79,6 +79,8 @@ public:
     void performOutputs(SendingThread* to) { session_.performOutputs(to); }
     /// Takes hold of what inputs move, as one step. False: it could not, and failed() said why.
     bool holdInputs();
+    /// Lets go what they hold and do not move any more, as one step: see Session::inputsLeft().
+    void releaseInputs();
     /// One frame more: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.
