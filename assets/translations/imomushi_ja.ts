@@ -4,12 +4,16 @@
     <context>
         <name>Actions</name>
         <message>
+            <source>M&amp;ake it move by itself</source>
+            <translation>ひとりでに動かす(&amp;A)</translation>
+        </message>
+        <message>
             <source>Sho&amp;w only what is selected</source>
             <translation>選択したものだけを表示(&amp;W)</translation>
         </message>
         <message>
-            <source>&amp;Lock or unlock what is selected</source>
-            <translation>選択したものをロック／解除(&amp;L)</translation>
+            <source>Loc&amp;k or unlock what is selected</source>
+            <translation>選択したものをロック／解除(&amp;K)</translation>
         </message>
         <message>
             <source>&amp;Versions…</source>
@@ -44,8 +48,8 @@
             <translation>コピーを保存(&amp;C)…</translation>
         </message>
         <message>
-            <source>Save as s&amp;cript…</source>
-            <translation>スクリプトとして保存(&amp;C)…</translation>
+            <source>Save as scrip&amp;t…</source>
+            <translation>スクリプトとして保存(&amp;T)…</translation>
         </message>
         <message>
             <source>&amp;Write posed mesh…</source>
@@ -76,12 +80,12 @@
             <translation>同じ種類をすべて選択(&amp;A)</translation>
         </message>
         <message>
-            <source>Select &amp;none</source>
-            <translation>選択を解除(&amp;N)</translation>
+            <source>Select n&amp;one</source>
+            <translation>選択を解除(&amp;O)</translation>
         </message>
         <message>
-            <source>&amp;Preferences…</source>
-            <translation>設定(&amp;P)…</translation>
+            <source>Preferences…</source>
+            <translation>設定…</translation>
         </message>
         <message>
             <source>&amp;Select</source>
@@ -112,8 +116,8 @@
             <translation>ピン留め／解除(&amp;I)</translation>
         </message>
         <message>
-            <source>&amp;Release everything held</source>
-            <translation>すべて放す(&amp;R)</translation>
+            <source>Release &amp;everything held</source>
+            <translation>すべて放す(&amp;E)</translation>
         </message>
         <message>
             <source>Back to &amp;rest</source>
@@ -160,8 +164,8 @@
             <translation>床を表示(&amp;G)</translation>
         </message>
         <message>
-            <source>&amp;See through bodies</source>
-            <translation>体を透かして見る(&amp;S)</translation>
+            <source>See th&amp;rough bodies</source>
+            <translation>体を透かして見る(&amp;R)</translation>
         </message>
         <message>
             <source>F&amp;ull screen</source>
@@ -244,20 +248,20 @@
             <translation>テイクを複製(&amp;D)</translation>
         </message>
         <message>
-            <source>Remo&amp;ve the take</source>
-            <translation>テイクを取り除く(&amp;V)</translation>
+            <source>Remove the take</source>
+            <translation>テイクを取り除く</translation>
         </message>
         <message>
-            <source>&amp;Count three seconds before recording</source>
-            <translation>3 秒数えてから記録(&amp;C)</translation>
+            <source>Count three seconds before recording</source>
+            <translation>3 秒数えてから記録</translation>
         </message>
         <message>
             <source>L&amp;eave the take</source>
             <translation>テイクを離れる(&amp;E)</translation>
         </message>
         <message>
-            <source>Ha&amp;ndle</source>
-            <translation>ハンドル(&amp;N)</translation>
+            <source>&amp;Handle</source>
+            <translation>ハンドル(&amp;H)</translation>
         </message>
         <message>
             <source>Show bo&amp;dies</source>
@@ -272,16 +276,16 @@
             <translation>プロジェクトを追加(&amp;D)…</translation>
         </message>
         <message>
-            <source>D&amp;uplicate</source>
-            <translation>複製(&amp;U)</translation>
+            <source>Duplicate</source>
+            <translation>複製</translation>
         </message>
         <message>
             <source>Mirror &amp;left and right (X)</source>
             <translation>左右にミラー (X)(&amp;L)</translation>
         </message>
         <message>
-            <source>Mirror &amp;top and bottom (Y)</source>
-            <translation>上下にミラー (Y)(&amp;T)</translation>
+            <source>Mirror top and bottom (&amp;Y)</source>
+            <translation>上下にミラー (&amp;Y)</translation>
         </message>
         <message>
             <source>Mirror &amp;front and back (Z)</source>
@@ -304,16 +308,16 @@
             <translation>ボーンを選んで柔らかくする(&amp;C)…</translation>
         </message>
         <message>
-            <source>Make takes of &amp;clips…</source>
-            <translation>クリップからテイクを作る(&amp;C)…</translation>
+            <source>Make takes of clips…</source>
+            <translation>クリップからテイクを作る…</translation>
         </message>
         <message>
             <source>Propose bones &amp;and cuts</source>
             <translation>ボーンと切断を提案(&amp;A)</translation>
         </message>
         <message>
-            <source>Impo&amp;rt clips…</source>
-            <translation>クリップを読み込む(&amp;R)…</translation>
+            <source>Import c&amp;lips…</source>
+            <translation>クリップを読み込む(&amp;L)…</translation>
         </message>
         <message>
             <source>Dra&amp;g the body anywhere</source>
@@ -468,8 +472,8 @@
             <translation>貼り付け(&amp;P)</translation>
         </message>
         <message>
-            <source>Left as &amp;right (X symmetry)</source>
-            <translation>左右対称に編集 (X)(&amp;R)</translation>
+            <source>Left as right (&amp;X symmetry)</source>
+            <translation>左右対称に編集 (&amp;X)</translation>
         </message>
         <message>
             <source>Place a &amp;bone…</source>
@@ -524,8 +528,8 @@
             <translation>辺にスナップ(&amp;E)</translation>
         </message>
         <message>
-            <source>Sta&amp;ge: the character alone</source>
-            <translation>ステージ：キャラクターだけを表示(&amp;G)</translation>
+            <source>Stage: the character alo&amp;ne</source>
+            <translation>ステージ：キャラクターだけを表示(&amp;N)</translation>
         </message>
         <message>
             <source>Move the &amp;joint face…</source>
@@ -4863,8 +4867,8 @@
             <translation>ギズモ(&amp;Z)</translation>
         </message>
         <message>
-            <source>Place by &amp;numbers</source>
-            <translation>数値で置く(&amp;N)</translation>
+            <source>Place b&amp;y numbers</source>
+            <translation>数値で置く(&amp;Y)</translation>
         </message>
         <message>
             <source>How samples were &amp;built</source>
@@ -6899,6 +6903,78 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     <context>
         <name>MappingTexts</name>
         <message>
+            <source>mouth “oh”</source>
+            <translation>口の形「お」</translation>
+        </message>
+        <message>
+            <source>mouth “ee”</source>
+            <translation>口の形「え」</translation>
+        </message>
+        <message>
+            <source>mouth “ou”</source>
+            <translation>口の形「う」</translation>
+        </message>
+        <message>
+            <source>mouth “ih”</source>
+            <translation>口の形「い」</translation>
+        </message>
+        <message>
+            <source>mouth “aa”</source>
+            <translation>口の形「あ」</translation>
+        </message>
+        <message>
+            <source>loudness</source>
+            <translation>音量</translation>
+        </message>
+        <message>
+            <source>right shoulder button</source>
+            <translation>右ショルダーボタン</translation>
+        </message>
+        <message>
+            <source>left shoulder button</source>
+            <translation>左ショルダーボタン</translation>
+        </message>
+        <message>
+            <source>right trigger</source>
+            <translation>右トリガー</translation>
+        </message>
+        <message>
+            <source>left trigger</source>
+            <translation>左トリガー</translation>
+        </message>
+        <message>
+            <source>right stick ↕</source>
+            <translation>右スティック ↕</translation>
+        </message>
+        <message>
+            <source>right stick ↔</source>
+            <translation>右スティック ↔</translation>
+        </message>
+        <message>
+            <source>left stick ↕</source>
+            <translation>左スティック ↕</translation>
+        </message>
+        <message>
+            <source>left stick ↔</source>
+            <translation>左スティック ↔</translation>
+        </message>
+        <message>
+            <source>enter</source>
+            <translation>エンター</translation>
+        </message>
+        <message>
+            <source>backspace</source>
+            <translation>バックスペース</translation>
+        </message>
+        <message>
+            <source>space bar</source>
+            <translation>スペースキー</translation>
+        </message>
+        <message>
+            <source>arrow keys</source>
+            <translation>矢印キー</translation>
+        </message>
+        <message>
             <source>sideways (X)</source>
             <translation>左右 (X)</translation>
         </message>
@@ -6959,12 +7035,12 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>ポーズ</translation>
         </message>
         <message>
-            <source>end of %1</source>
+            <source>%1 end</source>
             <comment>a bone</comment>
             <translation>%1 の先</translation>
         </message>
         <message>
-            <source>start of %1</source>
+            <source>%1 start</source>
             <comment>a bone</comment>
             <translation>%1 の根元</translation>
         </message>
@@ -7375,6 +7451,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     <context>
         <name>imomushi::ReceiverRows</name>
         <message>
+            <source>Sent without bones: none of this character is a bone of a human, which is all that VMC knows. OSC tells of all of them.</source>
+            <translation>ボーンなしで送っています。VMC が扱うのは人のボーンだけで、このキャラクターにはありません。OSC ならすべてのボーンを送れます。</translation>
+        </message>
+        <message>
             <source>On. Nothing was sent yet.</source>
             <translation>オンです。まだ何も送っていません。</translation>
         </message>
@@ -7483,7 +7563,7 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>Add a source</source>
-            <translation>送り手を加える</translation>
+            <translation>送り手を追加</translation>
         </message>
         <message>
             <source>Listen to %1</source>
@@ -7586,6 +7666,25 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     </context>
 <context>
         <name>imomushi::CyclesPanel</name>
+        <message>
+            <source>Suggest</source>
+            <translation>提案</translation>
+        </message>
+        <message>
+            <source>breathe</source>
+            <comment>name of a cycle</comment>
+            <translation>呼吸</translation>
+        </message>
+        <message>
+            <source>sway</source>
+            <comment>name of a cycle</comment>
+            <translation>揺れる</translation>
+        </message>
+        <message>
+            <source>crawl</source>
+            <comment>name of a cycle</comment>
+            <translation>這う</translation>
+        </message>
         <message>
             <source>Make a cycle of the chosen poses, in their order</source>
             <translation>選んだポーズから、その順でサイクルを作ります</translation>

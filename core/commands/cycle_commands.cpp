@@ -107,9 +107,27 @@ Result<Json> removeCycle(DocumentEdit& edit, const Json& arguments, const Progre
     return Json{{"removed_poses", std::move(removed)}};
 }
 
-Result<Json> suggestCycles(DocumentEdit& edit, const Json&, const Progress&) {
+/// Suggested cycles get other names, and so do their poses.
+Result<void> renameSuggested(std::vector<SuggestedCycle>& suggested, const Json& names) {
+    std::set<std::string> taken;
+    for (const auto& [kind, name] : names.items()) {
+        if (kind != "crawl" && kind != "sway" && kind != "breathe") return fail("unknown-key", "\"names\" has names for \"crawl\", \"sway\" and \"breathe\", not for \"" + kind + "\".");
+        if (!name.is_string()) return fail("bad-type", "\"names\" must have texts.");
+        if (auto ok = checkCycleName(name.get<std::string>()); !ok) return ok;
+        if (!taken.insert(name.get<std::string>()).second) return fail("name-taken", "\"names\" has \"" + name.get<std::string>() + "\" twice: choose different names.");
+    }
+    for (SuggestedCycle& made : suggested) {
+        made.cycle.name = names.value(made.cycle.name, made.cycle.name);
+        for (std::size_t p = 0; p < made.poses.size(); ++p) made.poses[p].name = made.cycle.poses[p] = made.cycle.name + " " + std::to_string(p + 1);
+    }
+    return {};
+}
+
+Result<Json> suggestCycles(DocumentEdit& edit, const Json& arguments, const Progress&) {
     IMOMUSHI_TRY(const auto plan, edit.planned());
     std::vector<SuggestedCycle> suggested = suggestedCycles(edit.document, *plan);
+    if (const Json* names = find(arguments, "names"))
+        if (auto ok = renameSuggested(suggested, *names); !ok) return tl::unexpected(ok.error());
     if (suggested.empty()) return fail("nothing-to-cycle", "The character has nothing that could move by itself: give it bones or handles first.");
     Cycles cycles = cyclesOf(edit.document);
     KeptPoses poses = keptPoses(edit.document);
@@ -142,7 +160,8 @@ void addCycleCommands(CommandRegistry& registry) {
                         {"poses", Type::Array, false, "Names of 2 to 64 kept poses, in their order; one may come several times. Three meet a wave exactly."},
                         {"seconds", Type::Number, false, "How long one round takes at speed 1, 0.05 to 3600 (2)."}},
                        addCycle);
-    registry.addChange("suggest-cycles", "Makes cycles and their kept poses from the skeleton: \"crawl\" (chains of three bones and more that lie near the ground rise and fall in waves from root to tip), \"sway\" (limbs and tails swing to the side, legs stand) and \"breathe\" (the body gets a little longer; without bones, handles rise). Cycles and poses of these names are replaced.", {}, suggestCycles);
+    registry.addChange("suggest-cycles", "Makes cycles and their kept poses from the skeleton: \"crawl\" (chains of three bones and more that lie near the ground rise and fall in waves from root to tip), \"sway\" (limbs and tails swing to the side, legs stand) and \"breathe\" (the body gets a little longer; without bones, handles rise). Cycles and poses of these names are replaced.",
+                       {{"names", Type::Object, false, "Other names: {\"crawl\": \"inch along\"}. Their poses are called so with a number."}}, suggestCycles);
     registry.addChange("rename-cycle", "Renames a cycle; mappings follow.", {{"cycle", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no cycle has."}}, renameCycle);
     registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false)."}}, removeCycle);
 }

@@ -45,6 +45,9 @@ public:
     /// Calls `send` with each packet, a bundle of at most OscBundle::kMostBytes. `time`: s, of the performance.
     void write(const ShownFrame& frame, double time, const std::function<void(std::span<const std::byte>)>& send);
 
+    /// How many bones, or ends of bones, it tells of.
+    [[nodiscard]] std::size_t bones() const { return protocol_ == OutputProtocol::Vmc ? human_.size() : ends_.size(); }
+
 private:
     struct HumanBone {
         std::string name;      // as VMC calls it

@@ -35,7 +35,7 @@ std::optional<SendingThread::Sent> SendingThread::sent(int key) const {
 
 void SendingThread::follow(const Document& document, const CharacterPlan& plan) {
     const std::lock_guard lock(mutex_);
-    for (Target& target : targets_) target.writer.emplace(target.protocol, document, plan);
+    for (Target& target : targets_) target.sent.bones = target.writer.emplace(target.protocol, document, plan).bones();
     ++followed_;
 }
 

@@ -25,6 +25,7 @@ public:
     struct Sent {
         std::uint64_t frames = 0, packets = 0;
         std::uint64_t lost = 0;  ///< packets that the system did not take
+        std::size_t bones = 0;   ///< that each frame tells of
         bool operator==(const Sent&) const = default;
     };
     SendingThread() = default;

@@ -35,7 +35,7 @@ constexpr double kLimb = 0.2;
 /// A leg goes down by so much of its length, and its tip is no higher than this part of the size.
 constexpr double kSteep = 0.7, kOnGround = 0.1;
 /// Of breathing: how much longer bones get, what counts as a large element, and how far handles rise over the size.
-constexpr double kLonger = 0.06, kLarge = 0.5, kRise = 0.03;
+constexpr double kLonger = 0.12, kLarge = 0.5, kRise = 0.05;
 /// How much of a joint limit is used.
 constexpr double kOfLimit = 0.5;
 

@@ -36,6 +36,8 @@ constexpr double kReach = 0.15;
 constexpr double kHand = 0.085;
 /// What reaches less far to a side than this part of the size is in the middle.
 constexpr double kSide = 0.055;
+/// Who performs looks from the front (+z): of two limbs as far out or as high, the nearer one is led first.
+constexpr double kFront = 0.25;
 /// Cutoffs of smoothing, Hz: a key jumps from 0 to 1 and needs more than a stick, which a hand leads.
 constexpr double kKeyHertz = 1.0, kStickHertz = 8.0, kPoseHertz = 2.0;
 
@@ -109,12 +111,12 @@ Led ledBy(const Limbs& limbs) {
     double middle = 0.0;
     for (const Limb& limb : left) middle += limb.at.x() / static_cast<double>(left.size());
     for (const double side : {-1.0, 1.0}) {
-        const auto best = std::max_element(left.begin(), left.end(), [&](const Limb& a, const Limb& b) { return side * a.at.x() < side * b.at.x(); });
+        const auto best = std::max_element(left.begin(), left.end(), [&](const Limb& a, const Limb& b) { return side * a.at.x() + kFront * a.at.z() < side * b.at.x() + kFront * b.at.z(); });
         if (best == left.end() || side * (best->at.x() - middle) < kSide * limbs.size) continue;
         led.sides.push_back(*best);
         left.erase(best);
     }
-    std::stable_sort(left.begin(), left.end(), [](const Limb& a, const Limb& b) { return a.at.y() > b.at.y(); });
+    std::stable_sort(left.begin(), left.end(), [](const Limb& a, const Limb& b) { return a.at.y() + kFront * a.at.z() > b.at.y() + kFront * b.at.z(); });
     led.rest = std::move(left);
     while (led.sides.size() < 2 && !led.rest.empty()) {
         led.sides.push_back(led.rest.front());
@@ -141,6 +143,7 @@ public:
         const bool known = std::ranges::any_of(made_, [&](const InputMapping& m) { return m.sameLine(made); });
         if (!known && mappedTarget(document_, target)) made_.push_back(std::move(made));
     }
+    [[nodiscard]] const std::string& source() const { return source_; }
     [[nodiscard]] InputMappings taken() { return std::move(made_); }
 
 private:
@@ -292,8 +295,12 @@ void suggestVoice(Suggestion& made, const Document& document, const Limbs& limbs
     }
     if (shaped) return;
     if (mouth) return made.add("level", 0, *mouth, 0.0, 0.0, 1.0, kMouthHertz, kLoud);
-    const auto highest = std::ranges::max_element(limbs.all, {}, [](const Limb& limb) { return limb.at.y(); });
-    if (highest != limbs.all.end()) made.add("level", 0, highest->target + "/y", 0.0, 0.0, kNod * usualReach(document), kMouthHertz, kLoud);
+    // One that nothing else moves, if there is one.
+    std::vector<Limb> free = limbs.all;
+    if (document.mappings) std::erase_if(free, [&](const Limb& limb) { return std::ranges::any_of(*document.mappings, [&](const InputMapping& m) { return m.row.source != made.source() && m.target.starts_with(limb.target + "/"); }); });
+    if (free.empty()) free = limbs.all;
+    const auto highest = std::ranges::max_element(free, {}, [](const Limb& limb) { return limb.at.y(); });
+    if (highest != free.end()) made.add("level", 0, highest->target + "/y", 0.0, 0.0, kNod * usualReach(document), kMouthHertz, kLoud);
 }
 
 }  // namespace

@@ -3,9 +3,12 @@
 #include <QDockWidget>
 #include <QLineEdit>
 #include <QListWidget>
+#include <QMenu>
+#include <QMenuBar>
 #include <QShortcutEvent>
 #include <QSpinBox>
 #include <QTextBrowser>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -89,6 +92,29 @@ TEST_CASE("keys: each reaches one action and no other, in both languages") {
                 CHECK_MESSAGE(!heard.ambiguous.contains(keys), what);
             }
         for (const auto& [action, on] : enabled) action->setEnabled(on);
+    }
+}
+
+TEST_CASE("keys: of the words of a menu no two have the same letter, in both languages") {
+    Window w;
+    for (const char* language : {"en", "ja"}) {
+        CAPTURE(language);
+        Appearance::instance().setLanguage(QString::fromLatin1(language));
+        w.settle();
+        int letters = 0;
+        const std::function<void(const QList<QAction*>&, const QString&)> look = [&](const QList<QAction*>& actions, const QString& of) {
+            std::map<QKeySequence, QString> known;
+            for (const QAction* action : actions) {
+                if (action->menu()) look(action->menu()->actions(), action->text());
+                const QKeySequence letter = QKeySequence::mnemonic(action->text());
+                if (letter.isEmpty()) continue;
+                ++letters;
+                const auto [before, first] = known.try_emplace(letter, action->text());
+                CHECK_MESSAGE(first, QStringLiteral("%1: %2 / %3").arg(of, before->second, action->text()).toStdString());
+            }
+        };
+        look(w.window().menuBar()->actions(), QStringLiteral("menu bar"));
+        CHECK(letters > 80);
     }
 }
 

@@ -301,7 +301,7 @@ Json addCycle(const std::string& name, const std::vector<std::string>& poses, st
     if (seconds) command["seconds"] = *seconds;
     return command;
 }
-Json suggestCycles() { return {{"do", "suggest-cycles"}}; }
+Json suggestCycles(const Json& names) { return {{"do", "suggest-cycles"}, {"names", names}}; }
 Json renameCycle(const std::string& cycle, const std::string& name) { return {{"do", "rename-cycle"}, {"cycle", cycle}, {"name", name}}; }
 Json removeCycle(const std::string& cycle, bool poses) {
     Json command{{"do", "remove-cycle"}, {"cycle", cycle}};

@@ -231,7 +231,7 @@ Json renamePose(const std::string& pose, const std::string& name);
 Json removePose(const std::string& pose);
 /// A new one under a name of its own, where `name` is empty; of one that is there, what is left out stays. `seconds`: of a round.
 Json addCycle(const std::string& name, const std::vector<std::string>& poses, std::optional<double> seconds = {});
-Json suggestCycles();
+Json suggestCycles(const Json& names);
 Json renameCycle(const std::string& cycle, const std::string& name);
 /// `poses`: with those that no other cycle goes through.
 Json removeCycle(const std::string& cycle, bool poses);

@@ -94,7 +94,7 @@ QVariant MappingModel::data(const QModelIndex& index, int role) const {
     switch (index.column()) {
         case Control:
             if (role == Qt::DisplayRole) return channelText(*m);
-            if (role == NoteRole) return QString::fromStdString(m->row.source);
+            if (role == NoteRole) return sourceText(m->row.source);
             if (role == Qt::ToolTipRole) return tr("%1 of “%2”, number %3", "an address of a source").arg(QString::fromStdString(m->row.channel), QString::fromStdString(m->row.source)).arg(m->row.component + 1);
             break;
         case Meter:

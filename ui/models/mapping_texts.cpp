@@ -58,6 +58,18 @@ TargetText effectTarget(const MappedTarget& target) {
     return said;
 }
 
+/// Controls whose names are words, by what they are called in a row; empty: it is called as it is.
+QString knownControl(std::string_view channel) {
+    static constexpr std::pair<std::string_view, const char*> kWords[] = {
+        {"arrows", QT_TRANSLATE_NOOP("MappingTexts", "arrow keys")}, {"space", QT_TRANSLATE_NOOP("MappingTexts", "space bar")}, {"backspace", QT_TRANSLATE_NOOP("MappingTexts", "backspace")}, {"enter", QT_TRANSLATE_NOOP("MappingTexts", "enter")},
+        {"left-x", QT_TRANSLATE_NOOP("MappingTexts", "left stick ↔")}, {"left-y", QT_TRANSLATE_NOOP("MappingTexts", "left stick ↕")}, {"right-x", QT_TRANSLATE_NOOP("MappingTexts", "right stick ↔")}, {"right-y", QT_TRANSLATE_NOOP("MappingTexts", "right stick ↕")},
+        {"left-trigger", QT_TRANSLATE_NOOP("MappingTexts", "left trigger")}, {"right-trigger", QT_TRANSLATE_NOOP("MappingTexts", "right trigger")}, {"left-shoulder", QT_TRANSLATE_NOOP("MappingTexts", "left shoulder button")}, {"right-shoulder", QT_TRANSLATE_NOOP("MappingTexts", "right shoulder button")},
+        {"level", QT_TRANSLATE_NOOP("MappingTexts", "loudness")}, {"aa", QT_TRANSLATE_NOOP("MappingTexts", "mouth “aa”")}, {"ih", QT_TRANSLATE_NOOP("MappingTexts", "mouth “ih”")}, {"ou", QT_TRANSLATE_NOOP("MappingTexts", "mouth “ou”")}, {"ee", QT_TRANSLATE_NOOP("MappingTexts", "mouth “ee”")}, {"oh", QT_TRANSLATE_NOOP("MappingTexts", "mouth “oh”")}};
+    for (const auto& [name, words] : kWords)
+        if (name == channel) return MappingTexts::tr(words);
+    return {};
+}
+
 }  // namespace
 
 QString TargetText::text() const { return number.isEmpty() ? thing : MappingTexts::tr("%1, %2", "a handle, a number of it").arg(thing, number); }
@@ -75,8 +87,8 @@ TargetText targetText(const Document& document, const std::string& target) {
         case TargetKind::HandleTurn: said.thing = QString::fromStdString(found->handle.face); break;
         case TargetKind::EndPlace:
         case TargetKind::EndRoll:
-            said.thing = found->end.atEnd ? MappingTexts::tr("end of %1", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name))
-                                          : MappingTexts::tr("start of %1", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name));
+            said.thing = found->end.atEnd ? MappingTexts::tr("%1 end", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name))
+                                          : MappingTexts::tr("%1 start", "a bone").arg(QString::fromStdString(document.bones.at(found->end.bone)->name));
             break;
         case TargetKind::BoneTurn: said.thing = QString::fromStdString(document.bones.at(found->end.bone)->name); break;
         case TargetKind::Effect: return effectTarget(*found);
@@ -114,6 +126,11 @@ QString targetValueText(const TargetText& target, double value) {
     return target.unit.isEmpty() ? number : target.unit == u"°" ? number + target.unit : QStringLiteral("%1 %2").arg(number, target.unit);
 }
 
+QString sourceText(const std::string& source) {
+    const auto protocol = protocolNamed(source);
+    return protocol ? protocolText(*protocol) : QString::fromStdString(source);
+}
+
 QString channelText(const InputMapping& mapping) {
     const QString channel = QString::fromStdString(mapping.row.channel);
     const int component = mapping.row.component;
@@ -121,8 +138,10 @@ QString channelText(const InputMapping& mapping) {
         if (channel.startsWith(kind) && (component < 3 || component >= 7))
             return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < 3 ? placeAxis(component) : turnAxis(component - 7));
     if (channel.startsWith(QLatin1String("blend/"))) return channel.mid(6);
+    const QString known = knownControl(mapping.row.channel);
     if (component < 2 && std::any_of(kKeySticks.begin(), kKeySticks.end(), [&](const KeyStick& s) { return s.name == mapping.row.channel; }))
-        return channel + (component == 0 ? QStringLiteral(" ↔") : QStringLiteral(" ↕"));
+        return (known.isEmpty() ? channel.toUpper() : known) + (component == 0 ? QStringLiteral(" ↔") : QStringLiteral(" ↕"));
+    if (component == 0 && !known.isEmpty()) return known;
     return component == 0 ? channel : MappingTexts::tr("%1, number %2", "a control").arg(channel).arg(component + 1);
 }
 

@@ -26,6 +26,8 @@ TargetText targetText(const Document& document, const std::string& target);
 /// "1.25 m", "-30°"
 QString targetValueText(const TargetText& target, double value);
 
+/// Who sends, in words: the device where it is the first of its kind, else its name.
+QString sourceText(const std::string& source);
 /// A control in words: "/fader/1", "LeftUpperArm, turn X".
 QString channelText(const InputMapping& mapping);
 QString protocolText(InputProtocol protocol);

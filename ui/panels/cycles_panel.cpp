@@ -24,7 +24,7 @@ namespace imomushi {
 namespace {
 
 constexpr int kCycleRole = Qt::UserRole;
-constexpr int kListHigh = 48, kFaderWide = 90, kBesideFaders = 12;  // pixels of the design
+constexpr int kListHigh = 78, kFaderWide = 90, kBesideFaders = 12;  // pixels of the design
 constexpr int kCycleName = 0, kCycleRound = 1;  // columns
 // Of the faders: a hundred is the whole of a cycle, and the speed that it was made with.
 constexpr int kWholeCycle = 100, kSlowestFader = -200, kFastestFader = 300;
@@ -46,6 +46,7 @@ CyclesPanel::CyclesPanel(StudioDocument& document, InputDeck& inputs, QWidget* p
     };
     new_ = button("new-cycle", "new");
     suggest_ = button("suggest-cycles", "suggest");
+    suggest_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     remove_ = button("remove-cycle", "trash");
     list_ = named(new QTreeWidget(this), "cycles");
     list_->setColumnCount(2);
@@ -96,10 +97,7 @@ CyclesPanel::CyclesPanel(StudioDocument& document, InputDeck& inputs, QWidget* p
     fill(new QVBoxLayout(this), QMargins(0, 0, 0, 0), head, Share{body, 1});
 
     connect(new_, &QToolButton::clicked, this, &CyclesPanel::makeNew);
-    connect(suggest_, &QToolButton::clicked, this, [this] {
-        const auto answer = document_.execute(commands::suggestCycles());
-        if (answer) choose(QString::fromStdString(answer->at("cycles").front().get<std::string>()));
-    });
+    connect(suggest_, &QToolButton::clicked, this, &CyclesPanel::suggest);
     connect(remove_, &QToolButton::clicked, this, &CyclesPanel::remove);
     connect(list_, &QTreeWidget::currentItemChanged, this, [this] {
         if (!following_) followFaders();
@@ -174,6 +172,11 @@ void CyclesPanel::play() {
     followFaders();
 }
 
+void CyclesPanel::suggest() {
+    const auto answer = document_.execute(commands::suggestCycles({{"crawl", tr("crawl", "name of a cycle").toStdString()}, {"sway", tr("sway", "name of a cycle").toStdString()}, {"breathe", tr("breathe", "name of a cycle").toStdString()}}));
+    if (answer) choose(QString::fromStdString(answer->at("cycles").front().get<std::string>()));
+}
+
 void CyclesPanel::makeNew() {
     std::vector<std::string> poses;
     for (const QString& pose : poses_) poses.push_back(pose.toStdString());
@@ -213,6 +216,7 @@ void CyclesPanel::retranslate() {
     title_->setText(tr("Cycles"));
     list_->setAccessibleName(tr("Cycles"));
     empty_->setText(tr("No cycles yet: movements that repeat through kept poses. Suggest some, or choose poses and make one of them."));
+    suggest_->setText(tr("Suggest"));
     suggest_->setToolTip(tr("Suggest cycles and their poses from the skeleton: crawl, sway, breathe"));
     remove_->setToolTip(tr("Remove the cycle, and the poses that were suggested with it"));
     for (QToolButton* b : {suggest_, remove_}) b->setAccessibleName(b->toolTip());

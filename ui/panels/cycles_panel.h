@@ -25,6 +25,8 @@ public:
     /// Kept poses that are chosen, in their order: what a new cycle goes through.
     void choosePoses(const QStringList& poses);
     [[nodiscard]] QString chosen() const;  ///< empty: none
+    /// Makes cycles that suit the skeleton, by names in the language of the window, and chooses the first.
+    void suggest();
 
 protected:
     void changeEvent(QEvent* event) override;

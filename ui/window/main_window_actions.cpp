@@ -7,6 +7,7 @@
 #include <QSettings>
 
 #include "core/commands/proposal_commands.h"
+#include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "ui/dialogs/export_dialog.h"
 #include "ui/dialogs/help_dialogs.h"
@@ -19,6 +20,7 @@
 #include "ui/models/input_deck.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/panels/cycles_panel.h"
 #include "ui/panels/effects_panel.h"
 #include "ui/panels/poses_panel.h"
 #include "ui/panels/live/live_panel.h"
@@ -260,6 +262,11 @@ void MainWindow::connectLiveActions() {
     on("live-inputs", [this] {
         showStart(false);
         StudioDocks::raise(live());
+    });
+    onSettled("move-by-itself", [this] {
+        showStart(false);
+        StudioDocks::raise(docks_->poses());
+        if (cyclesOf(document_.document()).empty()) docks_->poses().cycles()->suggest();
     });
     on("let-go", [this] { inputs_->letGo(); });
     for (const auto& [action, protocol] : {std::pair("suggest-keys", InputProtocol::Keys), std::pair("suggest-pad", InputProtocol::Pad), std::pair("suggest-vmc", InputProtocol::Vmc), std::pair("suggest-voice", InputProtocol::Voice)})

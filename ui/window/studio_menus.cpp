@@ -55,10 +55,10 @@ void StudioMenus::buildMenus(StudioDocks& docks) {
     fill(*addMenu(character, QT_TR_NOOP("Gi&zmo")), {"gizmo", "", "gizmo-all", "gizmo-move", "gizmo-turn", "gizmo-scale", "", "axes-world", "axes-local", "axes-view"});
     snapMenu_ = addMenu(character, QT_TR_NOOP("S&nap"));
     fill(*snapMenu_, {"snap", "", "snap-grid", "snap-angle", "snap-vertices", "snap-edges", "snap-surface", "snap-middle", "snap-ends", "", "snap-steps"});
-    fill(*addMenu(character, QT_TR_NOOP("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle", "", "edit-face"});
+    fill(*addMenu(character, QT_TR_NOOP("Place b&y numbers")), {"place-bone", "place-face", "place-cut", "place-handle", "", "edit-face"});
     fill(*character, {"", "make-soft", "make-soft-bones", "propose", "", "join", "", "precompute", "soft-at-once", "", "pin", "release", "rest"});
     fill(*addMenu(character, QT_TR_NOOP("Poses")), {"keep-pose", "mirror-pose", "rest-bones", "rest-chain", "", "pose-1", "pose-2", "pose-3", "pose-4", "pose-5", "pose-6", "pose-7", "pose-8", "pose-9"});
-    fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "suggest-voice", "load-mappings", "save-mappings", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
+    fill(*addMenu(nullptr, QT_TR_NOOP("Perf&orm")), {"live-inputs", "let-go", "", "suggest-keys", "suggest-pad", "suggest-vmc", "suggest-voice", "load-mappings", "save-mappings", "", "move-by-itself", "", "record", "count-in", "", "play", "take-back", "take-forward", "loop", "leave-take", "", "mark-in", "mark-out", "mark-none", "trim-take", "", "take-clip",
                                                      "rename-take", "duplicate-take", "remove-take"});
     QMenu* view = addMenu(nullptr, QT_TR_NOOP("&View"));
     fill(*view, {"frame-all", "frame-selection", "", "view-front", "view-right", "view-top", "orthographic", "", "bones", "grid", "bodies", "xray", "", "hide", "isolate", "lock", "show-all", ""});
@@ -133,7 +133,7 @@ void StudioMenus::popUpContextMenu(const QPoint& global) {
     QMenu menu(&window_);
     menu.installEventFilter(this);
     fill(menu, {"cut", "copy", "paste", "", "rename", "delete", "", "duplicate", "mirror-x", "mirror-y", "mirror-z", "replace-mesh", "", "make-soft", "make-soft-bones", "import-skeleton", "import-clips", "take-clip", "", "join", "pin", "edit-face", "", "hide", "isolate", "lock", "show-all", "frame-selection"});
-    fill(*menu.addMenu(tr("Place by &numbers")), {"place-bone", "place-face", "place-cut", "place-handle"});
+    fill(*menu.addMenu(tr("Place b&y numbers")), {"place-bone", "place-face", "place-cut", "place-handle"});
     menu.exec(global);
 }
 
