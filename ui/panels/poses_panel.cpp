@@ -27,7 +27,7 @@ constexpr int kNameRole = Qt::UserRole;
 /// As many as there are keys for.
 constexpr int kKeyed = 9;
 constexpr int kPictureWide = 64, kPictureHigh = 48, kRoom = 24;  // pixels of the design
-constexpr int kBetweenHalves = 16;  // the same
+constexpr int kBetweenHalves = 16, kBlendWide = 80, kBesideBlend = 8;  // the same
 constexpr int kPosesMargin = 8;  // pixels
 
 }  // namespace
@@ -54,15 +54,15 @@ PosesPanel::PosesPanel(StudioDocument& document, InputDeck& inputs, ActionSet& a
     for (const char* id : {"keep-pose", "mirror-pose", "rest-bones", "rest-chain"}) {
         auto* button = new QToolButton(this);
         button->setDefaultAction(actions[id]);
-        button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+        // In words what is there first; the others say what they do, and cycles have their place beside.
+        button->setToolButtonStyle(buttons_.empty() ? Qt::ToolButtonTextBesideIcon : Qt::ToolButtonIconOnly);
         buttons_.push_back(button);
         row->addWidget(button);
     }
-    row->addStretch(1);
-    auto* blending = new QHBoxLayout;
-    fill(blending, blendLabel_, Share{blend_, 1});
+    blend_->setMinimumWidth(px(kBlendWide));
+    fill(row, Space{px(kBesideBlend)}, blendLabel_, Share{blend_, 1});
     cycles_ = new CyclesPanel(document, inputs, this);
-    auto* poses = fill(new QVBoxLayout, row, Share{list_, 1}, Share{empty_, 1}, blending);
+    auto* poses = fill(new QVBoxLayout, row, Share{list_, 1}, Share{empty_, 1});
     halves_ = new QBoxLayout(QBoxLayout::LeftToRight, this);
     usePanelBackground(this);
     fill(halves_, QMargins(kPosesMargin, kPosesMargin, kPosesMargin, kPosesMargin), Spacing{px(kBetweenHalves)}, Share{poses, 1}, Share{cycles_, 1});
@@ -141,6 +141,7 @@ void PosesPanel::setPicture(const QString& pose, const QImage& picture) {
 void PosesPanel::takeSizes() {
     list_->setIconSize(QSize(px(kPictureWide), px(kPictureHigh)));
     list_->setGridSize(QSize(px(kPictureWide + kRoom), px(kPictureHigh) + list_->fontMetrics().height() + px(kRoom / 2)));
+    list_->setMinimumHeight(list_->gridSize().height() + 2 * list_->frameWidth());  // a row with its names
 }
 
 void PosesPanel::tellChosen() {

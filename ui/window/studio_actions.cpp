@@ -88,7 +88,7 @@ constexpr Row kRows[] = {
     {"keep-pose", "pose", QT_TRANSLATE_NOOP("Actions", "&Keep the pose"), "Shift+K"},
     {"mirror-pose", "swap", QT_TRANSLATE_NOOP("Actions", "&Mirror the pose"), ""},
     {"rest-bones", "reset", QT_TRANSLATE_NOOP("Actions", "Selected &bones to rest"), ""},
-    {"rest-chain", "", QT_TRANSLATE_NOOP("Actions", "&Chains of the selected bones to rest"), ""},
+    {"rest-chain", "rest-chain", QT_TRANSLATE_NOOP("Actions", "&Chains of the selected bones to rest"), ""},
     {"pose-1", "", QT_TRANSLATE_NOOP("Actions", "Pose &1"), "Alt+1"},
     {"pose-2", "", QT_TRANSLATE_NOOP("Actions", "Pose &2"), "Alt+2"},
     {"pose-3", "", QT_TRANSLATE_NOOP("Actions", "Pose &3"), "Alt+3"},
