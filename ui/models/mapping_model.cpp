@@ -101,8 +101,9 @@ QVariant MappingModel::data(const QModelIndex& index, int role) const {
             if (role == Qt::DisplayRole) return level(index.row()).text;
             break;
         case Target:
-            if (role == Qt::DisplayRole) return target.text();
-            if (role == TroubleRole || role == Qt::ToolTipRole) return target.there ? conflict(index.row()) : tr("The character has no “%1”. The row waits for it.").arg(QString::fromStdString(m->target));
+            if (role == Qt::DisplayRole) return target.briefText();
+            if (role == Qt::AccessibleTextRole) return target.text();
+            if (role == TroubleRole || role == Qt::ToolTipRole) return !target.there ? tr("The character has no “%1”. The row waits for it.").arg(QString::fromStdString(m->target)) : role == Qt::ToolTipRole && conflict(index.row()).isEmpty() ? target.text() : conflict(index.row());
             break;
         case Mute:
             if (role == OnRole) return m->row.muted;

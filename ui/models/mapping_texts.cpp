@@ -74,6 +74,8 @@ QString knownControl(std::string_view channel) {
 
 QString TargetText::text() const { return number.isEmpty() ? thing : MappingTexts::tr("%1, %2", "a handle, a number of it").arg(thing, number); }
 
+QString TargetText::briefText() const { return mark.isEmpty() ? text() : QStringLiteral("%1  %2").arg(thing, mark); }
+
 TargetText targetText(const Document& document, const std::string& target) {
     TargetText said;
     const auto found = mappedTarget(document, target);
@@ -108,9 +110,11 @@ TargetText targetText(const Document& document, const std::string& target) {
     }
     if (places(found->kind)) {
         said.number = placeAxis(found->axis);
+        said.mark = found->axis == 0 ? QStringLiteral("X ↔") : found->axis == 1 ? QStringLiteral("Y ↕") : QStringLiteral("Z ↗");
         said.unit = QStringLiteral("m");
     } else if (turns(found->kind)) {
         said.number = found->kind == TargetKind::EndRoll ? MappingTexts::tr("roll") : turnAxis(found->axis);
+        if (found->kind != TargetKind::EndRoll) said.mark = QStringLiteral("%1 ↻").arg(QChar(u'X' + found->axis));
         said.unit = QStringLiteral("°");
         said.factor = 180.0 / std::numbers::pi;
     } else {

@@ -19,7 +19,9 @@ struct TargetText {
     double factor = 1.0;  ///< shown = value * factor
     bool there = false;
     bool trigger = false; ///< it lets something happen: several rows may
+    QString mark;         ///< the number in a few signs, "Y ↕"; empty: it has only words
     [[nodiscard]] QString text() const;
+    [[nodiscard]] QString briefText() const;  ///< for narrow columns: "tip  Y ↕"
 };
 TargetText targetText(const Document& document, const std::string& target);
 

@@ -74,6 +74,8 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& ou
     suggest_->setPopupMode(QToolButton::InstantPopup);
     auto* suggestions = new QMenu(suggest_);
     for (const char* action : {"suggest-keys", "suggest-pad", "suggest-vmc", "suggest-voice"}) suggestions->addAction(actions[action]);
+    suggestions->addSeparator();
+    suggestions->addAction(actions["move-by-itself"]);
     suggest_->setMenu(suggestions);
     auto *load = button(nullptr), *save = button(nullptr);
     load->setDefaultAction(actions["load-mappings"]);
@@ -148,7 +150,7 @@ void LivePanel::followRow() {
     const int row = view_->chosen();
     if (const InputMapping* m = model_->mapping(row)) chosen_ = *m;
     form_->show(row);
-    right_->setVisible(model_->rowCount() > 0);
+    right_->setVisible(row >= 0);
     up_->setEnabled(row > 0);
     down_->setEnabled(row >= 0 && row + 1 < model_->rowCount());
     remove_->setEnabled(row >= 0);

@@ -6,6 +6,7 @@
 #include <QKeyEvent>
 #include <QPainter>
 #include <QStyledItemDelegate>
+#include <algorithm>
 
 #include "ui/widgets/appearance.h"
 
@@ -15,7 +16,7 @@ namespace {
 using Column = MappingModel::Column;
 using Role = Appearance::Role;
 
-constexpr int kRowHeight = 30, kIconWidth = 30, kMeterWidth = 108, kBarHeight = 4;
+constexpr int kRowHeight = 30, kIconWidth = 30, kMeterWidth = 108, kLeastMeterWidth = 64, kBarHeight = 4;
 constexpr double kFaded = 0.45;  // of rows that drive nothing
 
 /// Draws the rows of the table.
@@ -127,7 +128,7 @@ void MappingView::takeSizes() {
 }
 
 void MappingView::shareWidth() {
-    const int icons = 2 * px(kIconWidth), meter = px(kMeterWidth), left = std::max(0, viewport()->width() - icons - meter);
+    const int icons = 2 * px(kIconWidth), meter = std::clamp(viewport()->width() / 5, px(kLeastMeterWidth), px(kMeterWidth)), left = std::max(0, viewport()->width() - icons - meter);
     const int control = left * 2 / 5;  // of targets the end says the most
     setColumnWidth(Column::Control, control);
     setColumnWidth(Column::Meter, meter);
