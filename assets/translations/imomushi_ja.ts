@@ -2545,6 +2545,10 @@
             <translation>ドラッグ：ここで体を引っぱる</translation>
         </message>
         <message>
+            <source>Each finger leads what it holds · Esc: take back</source>
+            <translation>どの指も、つかんだものを動かす · Esc：取り消し</translation>
+        </message>
+        <message>
             <source>X, Y, Z: lock axis · Type a number · Shift: fine · Ctrl: snap · R or wheel: turn · B: the trunk leans, too · Esc: cancel</source>
             <translation>X、Y、Z：軸を固定 · 数値を入力 · Shift：細かく · Ctrl：スナップ · R かホイール：回す · B：胴も傾ける · Esc：取り消し</translation>
         </message>

@@ -8,6 +8,13 @@
 
 namespace imomushi {
 
+void PoseTool::holdStill() {
+    if (flesh_ && !takeFlesh()) return;
+    if (!drag_) return;
+    if (!drag_->gesture) drag_->gesture = std::make_unique<Gesture>(document_);
+    issue(PointerEvent(*last_));
+}
+
 bool PoseTool::give(const PoseGrip& grip, const Aim& to) {
     LiveInput input;
     input.kind = grip.isHandle() ? LiveInput::Kind::Handle : LiveInput::Kind::End;

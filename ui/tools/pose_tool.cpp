@@ -11,6 +11,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/tools/picking.h"
+#include "ui/tools/pose_fingers.h"
 #include "ui/tools/select_tool.h"
 #include "ui/tools/tool_texts.h"
 
@@ -51,15 +52,24 @@ std::optional<RayHit> PoseTool::fleshUnder(const PointerEvent& e) const {
 void PoseTool::press(const PointerEvent& e) {
     if (modal() && e.button == Qt::LeftButton) return keep();
     if (busy() || e.button != Qt::LeftButton) return;
+    if (!takeHold(e)) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+}
+
+bool PoseTool::takeHold(const PointerEvent& e) {
     letGo_.reset();
-    if (const auto part = gizmoPart(e); part != render::GizmoPart::None) return pull(part, e);
-    if (!pickGrip(document_.session(), e) && part_.press(e)) return;
-    if (const auto flesh = fleshUnder(e))
+    if (const auto part = gizmoPart(e); part != render::GizmoPart::None) {
+        pull(part, e);
+        return true;
+    }
+    if (!pickGrip(document_.session(), e) && part_.press(e)) return true;
+    if (const auto flesh = fleshUnder(e)) {
         flesh_ = Flesh{*flesh, e};
-    else if (const auto grip = gripUnder(e); grip && gripPosition(document_.session(), *grip))
-        grab(*grip, e);
-    else
-        selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
+        return true;
+    }
+    const auto grip = gripUnder(e);
+    if (!grip || !gripPosition(document_.session(), *grip)) return false;
+    grab(*grip, e);
+    return true;
 }
 
 void PoseTool::grab(const PoseGrip& grip, const PointerEvent& e) {
@@ -152,16 +162,20 @@ void PoseTool::take(const PoseGrip& grip, const Vec3& at, const PointerEvent& e)
     snap_.begin(moving());
 }
 
+bool PoseTool::takeFlesh() {
+    const Flesh flesh = *std::exchange(flesh_, std::nullopt);
+    if (makePassing(flesh)) return true;
+    const auto grip = nearestGrip(document_.session(), flesh.hit.element, flesh.hit.point);
+    if (grip) grab(*grip, flesh.press);
+    return grip.has_value();
+}
+
 void PoseTool::move(const PointerEvent& e) {
+    if (fingersHold()) return;
     if (part_.busy()) return part_.move(e);
     if (flesh_) {
         if (std::hypot(e.x - flesh_->press.x, e.y - flesh_->press.y) < kDragPixels) return;
-        const Flesh flesh = *std::exchange(flesh_, std::nullopt);
-        if (!makePassing(flesh)) {
-            const auto grip = nearestGrip(document_.session(), flesh.hit.element, flesh.hit.point);
-            if (!grip) return;
-            grab(*grip, flesh.press);
-        }
+        if (!takeFlesh()) return;
     }
     if (!drag_) {
         over_ = e;
@@ -281,7 +295,7 @@ void PoseTool::command(const Aim& to) {
 }
 
 void PoseTool::release(const PointerEvent& e) {
-    if (!busy() || modal() || e.button != Qt::LeftButton) return;
+    if (!busy() || modal() || fingersHold() || e.button != Qt::LeftButton) return;
     if (part_.busy()) {
         if (!part_.moved()) selectByClick(document_, pickItem(document_.session(), e), e.modifiers);
         return part_.release(e);
@@ -296,19 +310,16 @@ void PoseTool::release(const PointerEvent& e) {
 void PoseTool::keep() {
     if (drag_->given) command(Aim(*drag_->given));
     if (!drag_) return;
-    Session::Step named;
+    const Session::Step named = stepName();
     if (drag_->passing) {
         const auto pose = document_.session().poseOf(drag_->end.handle);
         if (drag_->passing->kept) {
             document_.select({drag_->end.item()});
-            named = {"handle", drag_->end.handle.face};
         } else if (document_.execute(commands::removeHandle(drag_->end.handle.face))) {
             if (pose) letGo_ = LetGo{*drag_->passing, pose->at, pose->rotation};
             hovered_.reset();
-            named = {"drag", drag_->passing->element};
         }
     }
-    if (drag_->image && drag_->gesture && named.name.empty()) named = {"drag", pathOf(document_.document(), drag_->end)};
     const QString alone = drag_->alone && drag_->gesture && !drag_->passing ? QString::fromStdString(pathOf(document_.document(), drag_->end)) : QString();
     if (drag_->gesture) drag_->gesture->commit(named);
     if (!alone.isEmpty()) Q_EMIT document_.failed(ToolTexts::tr("“%1” has nothing on the other side: it moved alone.").arg(alone));
@@ -317,8 +328,14 @@ void PoseTool::keep() {
     turning_ = false;
 }
 
+Session::Step PoseTool::stepName() const {
+    if (!drag_) return {};
+    if (drag_->passing) return drag_->passing->kept ? Session::Step{"handle", drag_->end.handle.face} : Session::Step{"drag", drag_->passing->element};
+    return drag_->image ? Session::Step{"drag", pathOf(document_.document(), drag_->end)} : Session::Step{};
+}
+
 void PoseTool::doubleClick(const PointerEvent& e) {
-    const auto grip = gripUnder(e);
+    const auto grip = fingersHold() ? std::nullopt : gripUnder(e);
     if (!grip || !isHeld(document_.document(), *grip)) return;
     document_.execute(commands::release(pathOf(document_.document(), *grip)));
 }
@@ -338,6 +355,7 @@ bool PoseTool::wheel(double notches, const PointerEvent& e) {
 }
 
 bool PoseTool::key(int key, Qt::KeyboardModifiers modifiers, const QString& text) {
+    if (fingersHold()) return false;
     if (part_.busy()) return part_.key(key, text);
     if (drag_ && type(key, text)) return true;
     if (key == Qt::Key_P) {
@@ -403,6 +421,7 @@ bool PoseTool::type(int key, const QString& text) {
 }
 
 bool PoseTool::wants(int key) const {
+    if (fingersHold()) return false;
     if (key == Qt::Key_P) return drag_ || hovered_;
     if (key == Qt::Key_G || (key == Qt::Key_R && options_.turnKey)) return drag_ || (over_ && gripSelected());
     if (key == Qt::Key_K) return letGo_ || (drag_ && drag_->passing);
@@ -427,6 +446,7 @@ void PoseTool::toggleFollowing() {
 }
 
 void PoseTool::cancel() {
+    if (fingers_) fingers_->cancel();
     part_.cancel();
     flesh_.reset();
     drag_.reset();  // its gesture takes the commands back
@@ -443,6 +463,7 @@ QString PoseTool::banner() const {
 }
 
 QString PoseTool::hint() const {
+    if (fingersHold()) return ToolTexts::tr("Each finger leads what it holds · Esc: take back");
     if (const QString part = part_.hint(); !part.isEmpty()) return part;
     if (drag_ && drag_->passing)
         return drag_->passing->kept ? ToolTexts::tr("This handle stays · K: make it temporary · R or wheel: turn · Esc: cancel")
@@ -464,6 +485,7 @@ QString PoseTool::hint() const {
 }
 
 void PoseTool::decorate(render::Scene& scene) const {
+    if (fingers_) fingers_->decorate(scene);
     part_.decorate(scene);
     if (const auto place = gizmo()) addGizmo(scene, *place, options_.space, hoveredPart_);
     if (!drag_) return;

@@ -15,13 +15,16 @@
 
 namespace imomushi {
 
+class PoseFingers;
+
 /// Drags the ends of bones, and handles: in the plane of the screen, or along X, Y or Z, or across them; typed numbers lead in its place; Shift fine, Ctrl snaps or not; R or Alt (or the wheel) turns
 /// the end about its bone, a handle as a ball under the pointer, or about the locked axis. One drag is one undo step. P pins, a double click lets go; B has the trunk follow from the first, or not. Flesh
 /// that is taken where there is neither moves the nearest of both, or, as the options say, a handle that is made there and goes when it is let go. K keeps it.
-/// Attached parts are turned about their pivots.
+/// Attached parts are turned about their pivots. On a touch screen several fingers do all that at once (PoseFingers).
 class PoseTool : public Tool {
 public:
-    explicit PoseTool(StudioDocument& document) : Tool(document), part_(document), snap_(document) {}
+    explicit PoseTool(StudioDocument& document);
+    ~PoseTool() override;
     void setOptions(const ToolOptions& options) override {
         options_ = options;
         snap_.set(options.snap);
@@ -32,6 +35,23 @@ public:
     [[nodiscard]] render::GizmoPart gizmoPart(const PointerEvent& e) const;
     void leaveGizmo() { hoveredPart_ = render::GizmoPart::None; }
     void press(const PointerEvent& e) override;
+    /// Takes hold of what a press there drags. False: there is nothing of that kind.
+    bool takeHold(const PointerEvent& e);
+    /// Holds what was taken where it is, as if it had been dragged, and says again where it goes where it is dragged already.
+    void holdStill();
+    /// A drag moves this, itself or on the other side.
+    [[nodiscard]] bool moves(const PoseGrip& grip) const { return drag_ && (drag_->end == grip || drag_->image == grip); }
+    /// What is dragged itself; none: nothing, or an attached part.
+    [[nodiscard]] std::optional<PoseGrip> dragged() const { return drag_ ? std::optional(drag_->end) : std::nullopt; }
+    /// What is on the other side does not go along.
+    void leaveImage() {
+        if (drag_) drag_->image.reset();
+    }
+    /// What its step is called; of no name: after its last command.
+    [[nodiscard]] Session::Step stepName() const;
+    Landing fingerLanded(int id, const PointerEvent& e) override;
+    void fingerMoved(int id, const PointerEvent& e) override;
+    void fingerLifted(int id, const PointerEvent& e) override;
     /// As if it had been pressed.
     void grab(const PoseGrip& grip, const PointerEvent& e);
     /// Takes the selected end of a bone or handle, and the pointer leads or turns it without a button, until a press or Enter. False: none is selected.
@@ -52,7 +72,7 @@ public:
     [[nodiscard]] bool wants(int key) const override;
     void keyReleased(int key) override;
     void cancel() override;
-    [[nodiscard]] bool busy() const override { return drag_ || flesh_ || part_.busy(); }
+    [[nodiscard]] bool busy() const override { return drag_ || flesh_ || part_.busy() || fingersHold(); }
     [[nodiscard]] QString hint() const override;
     [[nodiscard]] QString banner() const override;
     void decorate(render::Scene& scene) const override;
@@ -107,6 +127,7 @@ private:
         Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     };
 
+    [[nodiscard]] bool fingersHold() const;
     [[nodiscard]] std::optional<PoseGrip> selectedGrip() const;
     [[nodiscard]] std::optional<PoseGrip> gripUnder(const PointerEvent& e) const;
     /// Where a passing handle would be made; none: what is under the pointer is moved otherwise.
@@ -130,6 +151,8 @@ private:
     bool give(const PoseGrip& grip, const Aim& to);
     /// Makes a handle of the flesh, as small as it must be, and drags it. False: there is no place for one.
     bool makePassing(const Flesh& flesh);
+    /// Drags the flesh that was pressed: by a passing handle, or what is nearest. False: there is neither.
+    bool takeFlesh();
     /// Brings the passing handle back that was let go last.
     void bringBack();
     void follow(const PointerEvent& e);
@@ -164,6 +187,7 @@ private:
     std::optional<PointerEvent> last_;  ///< of the drag, for keys that act on it
     std::optional<PointerEvent> over_;  ///< where the pointer was last without one
     bool turning_ = false;              ///< R is held
+    std::unique_ptr<PoseFingers> fingers_;  ///< made by the first that lands
 };
 
 }  // namespace imomushi

@@ -31,6 +31,7 @@ struct PointerEvent {
     double pixelSize = 0.0;            ///< metres that a pixel covers at any depth (orthographic; 0 otherwise)
     bool bonesVisible = true;          ///< false: bones are hidden and not picked
     int behind = 0;                    ///< of several ends of bones there, so many are passed over
+    double pressure = 0.5;             ///< of a pen, 0 to 1; what has no pressure presses by the half
 
     /// Metres that a pixel covers at `p`.
     [[nodiscard]] double pixelAt(const Vec3& p) const {
@@ -69,6 +70,11 @@ public:
     virtual void move(const PointerEvent&) {}     ///< also without a button: hover
     virtual void release(const PointerEvent&) {}
     virtual void leave() {}                       ///< the pointer left the viewport: nothing is hovered
+    /// What a finger that lands on a touch screen is for: it acts as the pointer does; the tool has nothing there; it took hold of something, and fingerMoved() and fingerLifted() follow.
+    enum class Landing { IsPointer, FoundNothing, Holds };
+    virtual Landing fingerLanded(int /*id*/, const PointerEvent&) { return Landing::IsPointer; }
+    virtual void fingerMoved(int /*id*/, const PointerEvent&) {}
+    virtual void fingerLifted(int /*id*/, const PointerEvent&) {}
     virtual void doubleClick(const PointerEvent& e) { press(e); }
     virtual bool wheel(double /*notches*/, const PointerEvent&) { return false; }  ///< true: used, the view does not zoom
     /// `text`: what it types, see typedBy(). True: used.

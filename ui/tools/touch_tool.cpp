@@ -20,6 +20,9 @@ constexpr double kOutsidePixels = 6.0;
 /// Radius of finger tips, of the longest side of the character's box: what an effect that is turned on here begins with.
 constexpr double kTip = 0.025;
 
+/// A pen that presses by half of what it can does as much as a mouse.
+double strengthOf(const PointerEvent& e) { return 2.0 * e.pressure; }
+
 /// On where it is off, with tips that fit the character where it is off everywhere.
 Json turnOn(const Document& document, const std::optional<std::string>& element) {
     const Json on = commands::enable(EffectKind::Touch, element);
@@ -75,7 +78,8 @@ void TouchTool::poke(const PointerEvent& e) {
     finger.gesture = std::make_unique<Gesture>(document_);
     finger.element = hit->element;
     finger.rest = hit->rest;
-    finger.surface = finger.grip = hit->point;
+    finger.pressed = finger.surface = finger.grip = hit->point;
+    finger.strength = strengthOf(e);
     finger.inward = -hit->normal;
     finger.across = e.viewForward;
     finger.pixel = e.pixelAt(hit->point);
@@ -111,6 +115,7 @@ void TouchTool::move(const PointerEvent& e) {
         finger.surface += pace * (under - finger.grip);
     finger.grip = under;
     finger.lastY = e.y;
+    finger.strength = strengthOf(e);
     issue();
 }
 

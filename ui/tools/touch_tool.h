@@ -10,7 +10,7 @@
 
 namespace imomushi {
 
-/// Pokes fingers into the surface: a press dents it, moving pushes the dent along the screen, the wheel or Ctrl presses deeper, releasing lifts. G pokes without a button, until a press or Enter. One poke is
+/// Pokes fingers into the surface: a press dents it, moving pushes the dent along the screen, the wheel or Ctrl presses deeper, releasing lifts. A pen pushes as hard as it presses. G pokes without a button, until a press or Enter. One poke is
 /// one undo step. Where the effect is off, or not precomputed, it offers what is missing.
 class TouchTool : public Tool {
 public:
@@ -35,16 +35,18 @@ private:
         std::unique_ptr<Gesture> gesture;
         PartId element = 0;
         Vec3 rest = Vec3::Zero();     ///< the point of the flesh, at rest
-        Vec3 surface = Vec3::Zero();  ///< where it was when it was pressed, moved along with the pointer
+        Vec3 pressed = Vec3::Zero();  ///< where it was when it was pressed
+        Vec3 surface = Vec3::Zero();  ///< the same, moved along with the pointer
         Vec3 inward = Vec3::UnitZ();  ///< unit
         Vec3 across = Vec3::UnitZ();  ///< normal of the plane in which the pointer moves
         Vec3 grip = Vec3::Zero();     ///< point of that plane under the pointer at the last move
         double depth = 0.0;           ///< m
         double pixel = 0.0;           ///< m that a logical pixel covers at the surface
         double lastY = 0.0;
+        double strength = 1.0;        ///< of how far the flesh is pushed; a depth that is typed is as deep
         TypedNumber typed = {};
         bool modal = false;           ///< without a button
-        [[nodiscard]] Vec3 tip() const { return surface + typed.value(depth) * inward; }
+        [[nodiscard]] Vec3 tip() const { return pressed + strength * (surface - pressed) + (typed.leads() ? typed.value(depth) : strength * depth) * inward; }
     };
 
     /// Offers what fingers on an element (0: any) still need. False: nothing, they work.

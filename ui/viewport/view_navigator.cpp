@@ -91,6 +91,13 @@ void ViewNavigator::wheel(const QWheelEvent& e) {
         camera_.orbit(d.x(), d.y());
 }
 
+void ViewNavigator::lead(const std::array<QPointF, 2>& from, const std::array<QPointF, 2>& to) {
+    const QPointF middle = (to[0] + to[1]) / 2.0, by = middle - (from[0] + from[1]) / 2.0;
+    camera_.pan(by.x(), by.y());
+    const auto apart = [](const std::array<QPointF, 2>& two) { return std::max(1.0, std::hypot(two[1].x() - two[0].x(), two[1].y() - two[0].y())); };
+    pinch(apart(to) / apart(from) - 1.0, middle);
+}
+
 void ViewNavigator::pinch(double value, QPointF p) { camera_.zoom(std::log1p(std::max(-0.9, value)) / kPinchPerNotch, p.x(), p.y()); }
 
 void ViewNavigator::paintBall(QPainter& painter, bool dark) const {

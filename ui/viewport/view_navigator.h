@@ -2,6 +2,7 @@
 #pragma once
 
 #include <QPointF>
+#include <array>
 #include <optional>
 
 #include "ui/viewport/camera_controller.h"
@@ -38,6 +39,9 @@ public:
 
     /// Two fingers on a trackpad orbit, with Shift they pan; pinching, Ctrl and wheels zoom.
     void wheel(const QWheelEvent& e);
+    /// A finger of a touch screen orbits, two pan and zoom: what is between them stays there.
+    void lead(QPointF from, QPointF to) { camera_.orbit(to.x() - from.x(), to.y() - from.y()); }
+    void lead(const std::array<QPointF, 2>& from, const std::array<QPointF, 2>& to);
     /// `value`: relative change of size since the last one.
     void pinch(double value, QPointF p);
 

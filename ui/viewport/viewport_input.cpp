@@ -9,7 +9,10 @@
 #include <QMenu>
 #include <QMouseEvent>
 #include <QNativeGestureEvent>
+#include <QTabletEvent>
+#include <QTouchEvent>
 #include <QWheelEvent>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -43,6 +46,7 @@ PointerEvent ViewportWidget::pointer(QPointF position, Qt::MouseButton button, Q
     e.modifiers = modifiers;
     e.bonesVisible = sceneOptions().bones;
     if (behind_ && near(behind_->at, position)) e.behind = behind_->count;
+    if (pressure_) e.pressure = *pressure_;
     CameraController camera = camera_;
     camera.setViewport(width(), height());
     camera.aim(e);
@@ -67,20 +71,14 @@ void ViewportWidget::takeBehind() {
     withTool([&](Tool& tool) { tool.move(pointer(at_, Qt::NoButton, Qt::NoButton, {})); });
 }
 
-template <class Act>
-void ViewportWidget::withTool(const Act& act) {
-    QElapsedTimer since;
-    since.start();
-    act(tools_.tool());
-    meter_.addWork(elapsedMs(since));
-    redraw();
-    updateHint();
-}
-
 void ViewportWidget::keepMove(const PointerEvent& e) {
     if (move_ && (move_->modifiers != e.modifiers || move_->buttons != e.buttons)) giveMove();
-    if (!move_) movedAt_ = inputTime();
+    if (!move_ && !touch_.waits()) movedAt_ = inputTime();
     move_ = e;
+    moveCame();
+}
+
+void ViewportWidget::moveCame() {
     // Once in a step.
     const qint64 often = 1000 / document_.document().settings.rate, passed = sinceMove_.isValid() ? sinceMove_.elapsed() : often;
     if (passed >= often)
@@ -91,6 +89,7 @@ void ViewportWidget::keepMove(const PointerEvent& e) {
 
 void ViewportWidget::giveMove() {
     nextMove_.stop();
+    giveFingers();
     const auto e = std::exchange(move_, std::nullopt);
     if (!e) return;
     sinceMove_.start();
@@ -130,6 +129,12 @@ bool ViewportWidget::event(QEvent* e) {
                 return true;
             }
             break;
+        case QEvent::TouchBegin:
+        case QEvent::TouchUpdate:
+        case QEvent::TouchEnd:
+        case QEvent::TouchCancel:
+            if (touch(*static_cast<QTouchEvent*>(e))) return true;
+            break;
         case QEvent::NativeGesture: {
             const auto* gesture = static_cast<QNativeGestureEvent*>(e);
             if (gesture->gestureType() == Qt::ZoomNativeGesture) {
@@ -154,6 +159,16 @@ bool ViewportWidget::event(QEvent* e) {
 }
 
 // ---- pointer -----------------------------------------------------------------------------------------------------------
+
+// A pen acts as the mouse: Qt makes mouse events of what is not accepted here. They do not tell how hard it presses, and none comes where it presses harder and stays where it is.
+void ViewportWidget::tabletEvent(QTabletEvent* e) {
+    e->ignore();
+    if (e->type() == QEvent::TabletRelease)
+        pressure_.reset();
+    else if (e->type() == QEvent::TabletPress || e->buttons() != Qt::NoButton)
+        pressure_ = std::clamp(e->pressure(), 0.0, 1.0);
+    if (e->type() == QEvent::TabletMove && pressure_ && tools_.busy() && !tools_.tool().modal()) keepMove(pointer(e->position(), Qt::NoButton, e->buttons(), e->modifiers()));
+}
 
 void ViewportWidget::mousePressEvent(QMouseEvent* e) {
     giveMove();
@@ -374,6 +389,8 @@ void ViewportWidget::showEvent(QShowEvent* e) {
 
 void ViewportWidget::hideEvent(QHideEvent* e) {
     if (tools_.busy()) tools_.cancel();
+    cancelTouch();
+    pressure_.reset();
     move_.reset();
     clock_.stop();
     navigator_.cancel();

@@ -35,11 +35,15 @@ constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that i
 ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     : QWidget(parent), document_(document), tools_(document), clock_(camera_, meter_) {
     setMouseTracking(true);
+    setAttribute(Qt::WA_AcceptTouchEvents);
     setFocusPolicy(Qt::StrongFocus);
     setAccessibleName(tr("3D view"));
     setObjectName(QStringLiteral("viewport"));
 
-    connect(&tools_, &ToolHost::interrupted, this, [this] { move_.reset(); });
+    connect(&tools_, &ToolHost::interrupted, this, [this] {
+        move_.reset();
+        touch_.forget();
+    });
     connect(&tools_, &ToolHost::changed, this, [this] {
         redraw();
         updateHint();
@@ -55,6 +59,8 @@ ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     nextMove_.setSingleShot(true);
     nextMove_.setTimerType(Qt::PreciseTimer);
     connect(&nextMove_, &QTimer::timeout, this, &ViewportWidget::giveMove);
+    touch_.press.setSingleShot(true);
+    connect(&touch_.press, &QTimer::timeout, this, &ViewportWidget::pressAsMouse);
     connect(&document_, &StudioDocument::structureChanged, this, &ViewportWidget::structureChanged);
     connect(&document_, &StudioDocument::poseChanged, this, &ViewportWidget::animate);
     connect(&document_, &StudioDocument::responsesArriving, this, [this] {

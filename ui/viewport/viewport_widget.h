@@ -19,6 +19,7 @@
 #include "ui/viewport/latency_meter.h"
 #include "ui/viewport/tool_host.h"
 #include "ui/viewport/view_navigator.h"
+#include "ui/viewport/view_touch.h"
 
 class QLabel;
 
@@ -107,6 +108,7 @@ Q_SIGNALS:
 
 protected:
     bool event(QEvent* e) override;
+    void tabletEvent(QTabletEvent* e) override;
     void mousePressEvent(QMouseEvent* e) override;
     void mouseMoveEvent(QMouseEvent* e) override;
     void mouseReleaseEvent(QMouseEvent* e) override;
@@ -143,15 +145,34 @@ private:
     // viewport_input.cpp
     [[nodiscard]] PointerEvent pointer(QPointF position, Qt::MouseButton button, Qt::MouseButtons buttons, Qt::KeyboardModifiers modifiers) const;
     template <class Act>
-    void withTool(const Act& act);
+    void withTool(const Act& act) {
+        QElapsedTimer since;
+        since.start();
+        act(tools_.tool());
+        meter_.addWork(elapsedMs(since));
+        redraw();
+        updateHint();
+    }
     /// The tool hears of the pointer once a frame at most, however fast the mouse tells: of where it is now. What comes after a move is heard after it.
     void keepMove(const PointerEvent& e);
     void giveMove();
+    void moveCame();  ///< giveMove() now or as soon as it may be
     [[nodiscard]] bool belongsToTool(const QKeyEvent& key) const;
     [[nodiscard]] bool navigationKey(QKeyEvent* e);
     /// Takes the end of a bone that is behind the one under the pointer, from now on until the pointer goes elsewhere.
     void takeBehind();
     [[nodiscard]] bool near(QPointF a, QPointF b) const;  ///< no further than a click moves
+    // viewport_touch.cpp
+    bool touch(QTouchEvent& e);
+    void landFinger(int id, QPointF at);
+    void liftFinger(ViewTouch::Finger finger);
+    void leadCamera();
+    void giveFingers();
+    void cancelTouch();
+    [[nodiscard]] PointerEvent pointer(const ViewTouch::Finger& finger, Qt::MouseButton button) const;
+    /// The finger does what the mouse would; see ViewTouch::Role::Pointer.
+    void pressAsMouse();
+    void sendAsMouse(QEvent::Type type, QPointF at);
 
     StudioDocument& document_;
     TakeDeck* deck_ = nullptr;
@@ -176,6 +197,8 @@ private:
     InputTime movedAt_ = 0;             ///< when it came, or the first of those that it replaced
     QElapsedTimer sinceMove_;           ///< since it heard of one
     QTimer nextMove_;
+    std::optional<double> pressure_;    ///< of the pen that is down
+    ViewTouch touch_;
 
     bool bones_ = true, grid_ = true, bodies_ = false, xray_ = false, bare_ = false;
     bool empty_ = true;           ///< there were no elements: the first that comes is framed
