@@ -76,3 +76,37 @@ TEST_CASE("touch tool: G puts a finger down without a button, Enter or a click l
     CHECK(stage.now().touches.empty());
     CHECK(stage.steps() == before + 2);
 }
+
+TEST_CASE("touch tool: a pen pushes flesh from not at all to twice as far as the mouse, and a typed depth is as deep as it says") {
+    Touching stage;
+    stage.run({{"do", "set"}, {"target", "bar"}, {"property", "solver-mesh"}, {"value", "draft"}});
+    stage.run({{"do", "enable"}, {"effect", "touch"}});
+    stage.run({{"do", "precompute"}});
+    const auto pen = [&](const Vec3& p, double pressure) {
+        const auto s = stage.screen(p);
+        PointerEvent e = stage.at(s.x(), s.y(), Qt::LeftButton, Qt::LeftButton);
+        e.pressure = pressure;
+        return e;
+    };
+    const Vec3 at(0.2, 0.1, 0.5), aside(0.5, 0.1, 0.5);
+    const auto push = [&] { return Vec3(stage.now().touches.at(0).to - at); };
+    stage.press(stage.tool, at);
+    const Vec3 byMouse = push();
+    CHECK(byMouse.z() < -1e-3);
+    stage.tool.cancel();
+    stage.tool.press(pen(at, 0.0));
+    CHECK(push().norm() < 1e-9);
+    stage.tool.move(pen(at, 0.5));
+    CHECK((push() - byMouse).norm() < 1e-9);
+    stage.tool.move(pen(at, 1.0));
+    CHECK((push() - 2.0 * byMouse).norm() < 1e-9);
+    stage.tool.move(pen(aside, 0.5));
+    CHECK(push().x() == doctest::Approx(0.3));
+    stage.tool.move(pen(aside, 0.25));
+    CHECK(push().x() == doctest::Approx(0.15));
+    CHECK(push().z() == doctest::Approx(0.5 * byMouse.z()));
+    for (const char* key : {"0", ".", "2"}) stage.tool.key(Qt::Key_0, {}, QString::fromLatin1(key));
+    CHECK(push().z() == doctest::Approx(-0.2));
+    stage.tool.release(pen(aside, 0.25));
+    CHECK(stage.now().touches.empty());
+}
