@@ -161,7 +161,7 @@ void addCycleCommands(CommandRegistry& registry) {
                         {"seconds", Type::Number, false, "How long one round takes at speed 1, 0.05 to 3600 (2)."}},
                        addCycle);
     registry.addChange("suggest-cycles", "Makes cycles and their kept poses from the skeleton: \"crawl\" (chains of three bones and more that lie near the ground rise and fall in waves from root to tip), \"sway\" (limbs and tails swing to the side, legs stand) and \"breathe\" (the body gets a little longer; without bones, handles rise). Cycles and poses of these names are replaced.",
-                       {{"names", Type::Object, false, "Other names: {\"crawl\": \"inch along\"}. Their poses are called so with a number."}}, suggestCycles);
+                       {{"names", Type::Object, false, "Other names, by \"crawl\", \"sway\" or \"breathe\". Their poses are called so with a number."}}, suggestCycles);
     registry.addChange("rename-cycle", "Renames a cycle; mappings follow.", {{"cycle", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no cycle has."}}, renameCycle);
     registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false)."}}, removeCycle);
 }

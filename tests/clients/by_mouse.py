@@ -315,7 +315,7 @@ def session(mouse, folder):
     mouse.drag(end, (-20, -90), hold=0.6)
     mouse.keep("dragged")
     mouse.press("Stop recording")
-    mouse.menu("&View", "Sta&ge: the character alone")
+    mouse.menu("&View", "Stage: the character alo&ne")
     time.sleep(1.5)
     mouse.keep("stage")
     end = mouse.seek("end of a bone “%1”", ".*/end", ((x, y) for y in range(60, HEIGHT - 60, 12) for x in range(40, WIDTH - 40, 12)))

@@ -49,6 +49,18 @@ TEST_CASE("suggested cycles: the caterpillar crawls, sways and breathes, in one 
     CHECK(s.document().poses == nullptr);
 }
 
+TEST_CASE("suggested cycles: they may have other names, and their poses with them; names of other kinds, or one name twice, are refused") {
+    Sample caterpillar("caterpillar");
+    const Json answer = caterpillar.good({{"do", "suggest-cycles"}, {"names", {{"crawl", "這う"}, {"breathe", "sigh"}}}});
+    CHECK(answer["cycles"] == Json({"這う", "sway", "sigh"}));
+    for (const Cycle& cycle : cyclesOf(caterpillar.document())) {
+        CHECK(isWhole(caterpillar.document(), cycle));
+        for (std::size_t p = 0; p < cycle.poses.size(); ++p) CHECK(cycle.poses[p] == cycle.name + " " + std::to_string(p + 1));
+    }
+    for (const Json& names : {Json{{"walk", "w"}}, Json{{"crawl", "c"}, {"sway", "c"}}, Json{{"crawl", 1}}, Json{{"crawl", ""}}}) CHECK(!caterpillar.run({{"do", "suggest-cycles"}, {"names", names}}));
+    CHECK(cyclesOf(caterpillar.document()).size() == 3);
+}
+
 TEST_CASE("suggested cycles: three poses meet the wave of a chain exactly at every phase") {
     Sample s("caterpillar");
     s.good({{"do", "suggest-cycles"}});

@@ -254,6 +254,7 @@ TEST_CASE("examples: every choice that the help of a key offers is taken") {
         {"write-mesh state", R"({"do":"write-mesh","path":"%.obj","state":"%"})"},
         {"map-input silence", R"({"do":"map-input","source":"osc","channel":"/%","target":"bone/tail-bone/start/x","silence":"%"})"},
         {"suggest-mappings protocol", R"({"do":"suggest-mappings","protocol":"%"})"},
+        {"suggest-cycles names", R"({"do":"suggest-cycles","names":{"%":"my %"}})"},
         {"render theme", R"({"do":"render","path":"%.png","width":64,"height":36,"theme":"%"})"},
     };
     const std::set<std::string> named = {"set target", "add-joint-face plane", "edit-joint-face plane", "cut plane", "move-cut plane", "deform-element faces", "export pose", "accuracy pose", "map-input source", "map-input channel",  // quotes of other things

@@ -388,13 +388,13 @@ TEST_CASE("live: there are mappings of a pad for each sample, and all that they 
     }
 }
 
-TEST_CASE("live: a pad, keys and a body are mapped to the limbs of each sample: what reaches farthest to both sides, then what is highest; a figure's bones by their names") {
+TEST_CASE("live: a pad, keys and a body are mapped to the limbs of each sample: what reaches farthest to both sides and to the front, then what is highest; a figure's bones by their names") {
     const std::string assets = IMOMUSHI_SOURCE_DIR "/assets/samples/";
     // Of both sticks of the pad, of the third one of the keys, and of the left upper arm and the head of who performs.
     struct Expected {
         std::string sample, left, right, third, arm, head;
     };
-    for (const Expected& is : {Expected{"caterpillar", "bone/head-bone/end", "", "", "", "bone/head-bone"}, Expected{"octopus", "bone/arm6-tip-bone/end", "bone/arm2-tip-bone/end", "bone/arm1-tip-bone/end", "bone/arm2-root-bone", "bone/arm1-tip-bone"},
+    for (const Expected& is : {Expected{"caterpillar", "bone/head-bone/end", "", "", "", "bone/head-bone"}, Expected{"octopus", "bone/arm7-tip-bone/end", "bone/arm2-tip-bone/end", "bone/arm1-tip-bone/end", "bone/arm2-root-bone", "bone/arm1-tip-bone"},
                                Expected{"figure", "bone/hand-bone.R/end", "bone/hand-bone.L/end", "bone/head-bone/end", "bone/upper-arm-bone.L", "bone/head-bone"},
                                Expected{"dragon", "bone/arm.R/end", "bone/arm.L/end", "bone/head/end", "bone/arm.L", "bone/head"}}) {
         CAPTURE(is.sample);

@@ -4,7 +4,10 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QToolButton>
+#include <QWheelEvent>
 
 #include "core/base/rotation_vector.h"
 #include "core/document/source_calibration.h"
@@ -484,6 +487,39 @@ TEST_CASE("live: the keyboard is mapped to whatever the character has by one cli
     CHECK(w.rows() == 0);
 }
 
+TEST_CASE("live: the wheel over a list of devices scrolls the sources and chooses nothing, until the list has the focus") {
+    LiveWindow w;
+    const std::size_t before = w.inputs().sources().size();
+    for (int i = 0; i < 3; ++i) w.inputs().add(InputProtocol::Osc);
+    w.settle();
+    auto& box = w.part<QComboBox>("device-pad");
+    box.addItem(QStringLiteral("another"), QStringLiteral("another"));
+    QScrollArea* area = nullptr;
+    for (QWidget* up = box.parentWidget(); up && !area; up = up->parentWidget()) area = qobject_cast<QScrollArea*>(up);
+    REQUIRE(area);
+    QScrollBar& bar = *area->verticalScrollBar();
+    REQUIRE(bar.maximum() > 0);
+    bar.setValue(0);
+    const auto roll = [&] {
+        const QPoint at = box.rect().center();
+        QWheelEvent event(at, box.mapToGlobal(at), {}, {0, -120}, Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&box, &event);
+        w.settle();
+    };
+    REQUIRE(box.currentIndex() == 0);
+    roll();
+    CHECK(box.currentIndex() == 0);
+    CHECK(bar.value() > 0);
+    box.setFocus();
+    const int scrolled = bar.value();
+    roll();
+    CHECK(bar.value() == scrolled);
+    CHECK(box.currentIndex() == 1);
+    const auto& sources = w.inputs().sources();
+    w.inputs().setDevice(std::size_t(std::ranges::find(sources, "pad", &InputDeck::Source::name) - sources.begin()), {});
+    while (sources.size() > before) w.inputs().remove(sources.size() - 1);
+}
+
 TEST_CASE("live: what is performed is sent to a program that listens, as long as its switch is on") {
     LiveWindow w;
     auto port = UdpPort::listen(0);
@@ -517,6 +553,13 @@ TEST_CASE("live: what is performed is sent to a program that listens, as long as
     waitFor([&] { return (told() - to).norm() < 0.02; });
     auto& state = w.part<QLabel>("state-of-receiver-1");
     waitFor([&] { return state.isVisible() && state.text().contains(QStringLiteral("frames/s")); });
+    // By VMC a caterpillar has no bones, which is said where it is switched on.
+    outputs.add(OutputProtocol::Vmc);
+    outputs.setOn(1, true);
+    w.settle();
+    waitFor([&] { return w.part<QLabel>("state-of-receiver-2").text().startsWith(QStringLiteral("Sent without bones")); });
+    outputs.remove(1);
+    w.settle();
     // Another name: it is sent under that at once.
     w.run(commands::rename(w.now().bones.rbegin()->second->name, "antenna"));
     waitFor([&] { return (told() - w.place(w.lastEnd())).norm() < 1e-4; });

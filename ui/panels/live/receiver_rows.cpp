@@ -30,8 +30,8 @@ QString stateText(const Receiver& receiver) {
     if (!receiver.trouble.isEmpty()) return receiver.trouble;
     if (!receiver.on) return {};
     if (receiver.sent.frames == 0) return ReceiverRows::tr("On. Nothing was sent yet.");
-    if (receiver.lost > 0) return ReceiverRows::tr("Nobody takes what is sent: does the other program listen?");
     if (receiver.protocol == OutputProtocol::Vmc && receiver.sent.bones == 0) return ReceiverRows::tr("Sent without bones: none of this character is a bone of a human, which is all that VMC knows. OSC tells of all of them.");
+    if (receiver.lost > 0) return ReceiverRows::tr("Nobody takes what is sent: does the other program listen?");
     if (receiver.frames <= 1) return ReceiverRows::tr("On. What stands still is sent once a second.");
     return ReceiverRows::tr("%1 frames/s are sent.").arg(QLocale().toString(qulonglong(receiver.frames)));
 }
