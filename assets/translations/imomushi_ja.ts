@@ -5278,8 +5278,8 @@
             <translation>頭、胴、腕、脚</translation>
         </message>
         <message>
-            <source>A file with a skeleton, made soft</source>
-            <translation>骨格のあるファイルを柔らかく</translation>
+            <source>A rigged file, made soft</source>
+            <translation>リグ付きファイルを柔らかく</translation>
         </message>
         <message>
             <source>Caterpillar</source>

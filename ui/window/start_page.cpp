@@ -26,7 +26,7 @@ namespace imomushi {
 namespace {
 
 constexpr int kMaxColumns = 4, kFewestColumns = 3;
-constexpr int kTileWidth = 232, kPicture = 145, kTileHeight = 201, kGap = 16;
+constexpr int kTileWidth = 232, kLeastTileWidth = 200, kTileWords = 56, kGap = 16, kBeside = 28;
 constexpr int kWayMargin = 16, kWayPlate = 40, kWayGap = 12, kWayNote = 9;  // of the cards for ways to begin
 
 // A button that is painted by itself and pressed by Enter, too.
@@ -44,14 +44,14 @@ protected:
 // A project as a card: its picture, its name, and one line below.
 class Tile : public Card {
 public:
-    Tile(QImage picture, QString title, QString note, QString icon, QWidget* parent)
+    Tile(int width, QImage picture, QString title, QString note, QString icon, QWidget* parent)
         : Card(parent), picture_(std::move(picture)), note_(std::move(note)), icon_(std::move(icon)) {
         setText(title);
         setAccessibleName(title);
         setAccessibleDescription(note_);
         setCursor(Qt::PointingHandCursor);
         setFocusPolicy(Qt::StrongFocus);
-        setFixedSize(px(kTileWidth), px(kTileHeight));
+        setFixedSize(width, pictureHeight(width) + px(kTileWords));
         setAttribute(Qt::WA_Hover);
     }
 
@@ -65,7 +65,7 @@ protected:
         shape.addRoundedRect(frame, px(10), px(10));
         const bool lit = isEnabled() && (underMouse() || hasFocus());
         painter.fillPath(shape, themeColor(lit ? Appearance::Role::Hover : Appearance::Role::Panel));
-        const QRectF top(frame.left(), frame.top(), frame.width(), px(kPicture));
+        const QRectF top(frame.left(), frame.top(), frame.width(), pictureHeight(width()));
         painter.save();
         painter.setClipPath(shape);
         painter.fillRect(top, themeColor(Appearance::Role::Field));
@@ -79,7 +79,7 @@ protected:
         painter.restore();
         painter.setPen(QPen(themeColor(hasFocus() ? Appearance::Role::Accent : Appearance::Role::Line), hasFocus() ? 1.5 : 1.0));
         painter.drawPath(shape);
-        const QRectF text = frame.adjusted(px(12), px(kPicture) + px(7), -px(12), -px(7));
+        const QRectF text = frame.adjusted(px(12), pictureHeight(width()) + px(7), -px(12), -px(7));
         painter.setPen(themeColor(isEnabled() ? Appearance::Role::Text : Appearance::Role::Muted));
         QFont bold = font();
         bold.setWeight(QFont::DemiBold);
@@ -91,6 +91,7 @@ protected:
     }
 
 private:
+    static int pictureHeight(int width) { return width * 5 / 8; }
     QImage picture_;
     QString note_, icon_;
 };
@@ -194,7 +195,7 @@ QString sampleNote(const QString& name) {
     if (name == u"caterpillar") return StartPage::tr("Five elements in a row");
     if (name == u"octopus") return StartPage::tr("A body with eight arms");
     if (name == u"figure") return StartPage::tr("Head, trunk, arms and legs");
-    if (name == u"dragon") return StartPage::tr("A file with a skeleton, made soft");
+    if (name == u"dragon") return StartPage::tr("A rigged file, made soft");
     return {};
 }
 
@@ -233,7 +234,7 @@ void StartPage::showEvent(QShowEvent* event) {
 
 void StartPage::resizeEvent(QResizeEvent* event) {
     QWidget::resizeEvent(event);
-    if (columnsThatFit() != columns_) rebuild();
+    if (columnsThatFit() != columns_ || tileWidthThatFits() != tileWidth_) rebuild();
 }
 
 void StartPage::changeEvent(QEvent* event) {
@@ -249,23 +250,31 @@ void StartPage::addReplay(QWidget& tile, const QString& title, const QString& sc
     replay->setFocusPolicy(Qt::StrongFocus);
     replay->setCursor(Qt::PointingHandCursor);
     const int side = px(30), inset = px(8);
-    replay->setGeometry(px(kTileWidth) - side - inset, inset, side, side);
+    replay->setGeometry(tile.width() - side - inset, inset, side, side);
     connect(replay, &QToolButton::clicked, this, [this, title, script] { Q_EMIT replayWanted(title, script); }, Qt::QueuedConnection);
 }
 
 int StartPage::columnsThatFit() const {
     const int useful = std::clamp(int(std::max(samples().size(), recent_.paths().size())), kFewestColumns, kMaxColumns);
-    return std::clamp((width() - px(96) + px(kGap)) / px(kTileWidth + kGap), 1, useful);
+    return std::clamp((room() + px(kGap)) / px(kLeastTileWidth + kGap), 1, useful);
+}
+
+int StartPage::room() const { return width() - 2 * px(kBeside) - style()->pixelMetric(QStyle::PM_ScrollBarExtent); }
+
+int StartPage::tileWidthThatFits() const {
+    const int columns = columnsThatFit();
+    return std::clamp((room() - (columns - 1) * px(kGap)) / columns, px(kLeastTileWidth), px(kTileWidth));
 }
 
 void StartPage::rebuild() {
     columns_ = columnsThatFit();
+    tileWidth_ = tileWidthThatFits();
     auto* scroll = findChild<QScrollArea*>(QStringLiteral("startScroll"));
     content_ = named(new QWidget, "startPage");
     content_->setAttribute(Qt::WA_StyledBackground);
     auto* column = new QWidget(content_);
-    column->setFixedWidth(columns_ * px(kTileWidth) + (columns_ - 1) * px(kGap));
-    fill(new QHBoxLayout(content_), QMargins(px(48), px(44), px(48), px(36)), Stretch{}, column, Stretch{});
+    column->setFixedWidth(columns_ * tileWidth_ + (columns_ - 1) * px(kGap));
+    fill(new QHBoxLayout(content_), QMargins(px(kBeside), px(44), px(kBeside), px(36)), Stretch{}, column, Stretch{});
     auto* layout = fill(new QVBoxLayout(column), QMargins(0, 0, 0, 0), Spacing{px(14)});
 
     auto* logo = new QLabel(column);
@@ -334,7 +343,7 @@ void StartPage::rebuild() {
     if (!all.isEmpty()) {
         QGridLayout* grid = group(tr("Samples"));
         for (const Sample& sample : all) {
-            auto* tile = new Tile(QImage(sample.picture), sampleTitle(sample.name), sampleNote(sample.name), QStringLiteral("character"), column);
+            auto* tile = new Tile(tileWidth_, QImage(sample.picture), sampleTitle(sample.name), sampleNote(sample.name), QStringLiteral("character"), column);
             tile->setObjectName(QStringLiteral("sample-") + sample.name);
             connect(tile, &QAbstractButton::clicked, this, [this, path = sample.path] { Q_EMIT fileWanted(path); });
             if (!sample.script.isEmpty()) addReplay(*tile, sampleTitle(sample.name), sample.script);
@@ -347,7 +356,7 @@ void StartPage::rebuild() {
         for (const QString& path : paths) {
             const QFileInfo info(path);
             const bool there = info.exists();
-            auto* tile = new Tile(there ? recent_.thumbnail(path) : QImage(), info.completeBaseName(),
+            auto* tile = new Tile(tileWidth_, there ? recent_.thumbnail(path) : QImage(), info.completeBaseName(),
                                   there ? QLocale().toString(info.lastModified(), QLocale::ShortFormat) : tr("File is missing"),
                                   there ? QStringLiteral("character") : QStringLiteral("missing"), column);
             tile->setToolTip(path);

@@ -36,10 +36,13 @@ private:
     /// A button on the card of a sample.
     void addReplay(QWidget& tile, const QString& title, const QString& script);
     [[nodiscard]] int columnsThatFit() const;
+    [[nodiscard]] int tileWidthThatFits() const;
+    [[nodiscard]] int room() const;  ///< for cards, pixels
+
     RecentFiles& recent_;
     QWidget* content_ = nullptr;
     QWidget* drop_ = nullptr;
-    int columns_ = 0;
+    int columns_ = 0, tileWidth_ = 0;
 };
 
 /// The name of a sample as artists read it.
