@@ -98,13 +98,14 @@ void InputMapper::step(double seconds) {
             slot.from = slot.shown;
             slot.passed = 0.0;
             slot.length = driver == kRests ? kGlideToRest : kHandover;
+            slot.driven = driver == kRests && slot.driver >= 0;
             slot.driver = driver;
         }
         if (slot.driver == -1) continue;
         const double goal = slot.driver == kRests ? slot.rest : heard_[static_cast<std::size_t>(slot.driver)].value;
         slot.passed = std::min(slot.length, slot.passed + seconds);
         const double t = slot.passed / slot.length;
-        const double next = t < 1.0 ? slot.from + t * t * (3.0 - 2.0 * t) * (goal - slot.from) : goal;
+        const double next = t < 1.0 ? slot.from + eased(t) * (goal - slot.from) : goal;
         slot.moved = next != slot.shown;
         slot.shown = next;
     }
@@ -142,6 +143,7 @@ void InputMapper::letGo(int index) {
     slot.from = slot.shown;
     slot.passed = 0.0;
     slot.length = kGlideToRest;
+    slot.driven = slot.driver >= 0 || (slot.driver == kRests && slot.driven);
     slot.driver = kRests;
 }
 

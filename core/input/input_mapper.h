@@ -76,6 +76,11 @@ public:
     [[nodiscard]] bool moved(int slot) const { return slots_[static_cast<std::size_t>(slot)].moved; }
     /// It glides to rest, or is there because everything let go.
     [[nodiscard]] bool letsGo(int slot) const { return slots_[static_cast<std::size_t>(slot)].driver == kRests; }
+    /// How much is left of the way to rest, 1 ... 0, of what a row drove until it was let go.
+    [[nodiscard]] double left(int slot) const {
+        const Slot& of = slots_[static_cast<std::size_t>(slot)];
+        return of.driver == kRests && of.driven ? 1.0 - eased(of.passed / of.length) : 0.0;
+    }
     /// Everything lets go of this slot alone.
     void letGo(int slot);
     /// The row that drives a slot; -1: none has, or it rests.
@@ -108,9 +113,11 @@ private:
         double shown = 0.0, rest = 0.0, from = 0.0;
         double passed = 0.0, length = 0.0;  // s, of the glide
         int driver = -1;                    // a row, -1: nothing, kRests
+        bool driven = false;                // a row drove it before it rests
         bool moved = false, byHand = false;
     };
     static constexpr int kRests = -2;
+    static double eased(double t) { return t < 1.0 ? t * t * (3.0 - 2.0 * t) : 1.0; }
     struct Listener {
         std::uint64_t name = 0;  // hash of source and channel
         std::size_t row = 0;

@@ -184,8 +184,14 @@ void InputDriver::turnAll() {
         end.byPoses = last.endNow() - last.unposedEnd();
         if (!poses_ || end.byHand || !placed(end)) continue;
         end.input.target = last.endNow();
-        for (std::size_t k = 0; k < 3; ++k)
-            if (const auto axis = static_cast<Eigen::Index>(k); leads(end.slotNumbers[k])) end.input.target[axis] = end.rest[axis] + mapper_.shown(end.slotNumbers[k]) + end.byPoses[axis];
+        const Vec3 aside = end.rest - last.unposedEnd();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const int slot = end.slotNumbers[k];
+            if (!leads(slot)) continue;
+            // Who lets go leaves it where poses and the bones themselves have it.
+            const auto axis = static_cast<Eigen::Index>(k);
+            end.input.target[axis] += mapper_.shown(slot) + (mapper_.winner(slot) >= 0 ? 1.0 : mapper_.left(slot)) * aside[axis];
+        }
         lead(limb);
         for (Turned& bone : turned_) turn(bone);
     }

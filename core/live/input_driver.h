@@ -138,7 +138,7 @@ private:
     struct Tables;
     explicit InputDriver(Tables&& tables);
     /// A row drives it, or did and lets go.
-    [[nodiscard]] bool leads(int slot) const { return slot >= 0 && (mapper_.winner(slot) >= 0 || mapper_.letsGo(slot)); }
+    [[nodiscard]] bool leads(int slot) const { return slot >= 0 && (mapper_.winner(slot) >= 0 || mapper_.left(slot) > 0.0); }
     /// Something drives its place.
     [[nodiscard]] bool placed(const Driven& driven) const { return std::any_of(driven.slotNumbers.begin(), driven.slotNumbers.begin() + 3, [this](int slot) { return leads(slot); }); }
     /// Where forward kinematics has it, with and without poses.

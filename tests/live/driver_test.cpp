@@ -142,6 +142,28 @@ TEST_CASE("driver: bones are turned about their parents by forward kinematics, a
     }
 }
 
+TEST_CASE("driver: after everything let go a bone that is turned again takes its end along, though everybody may name the place of that end") {
+    Puppet p;
+    p.map("b", "bone/b/turn-x");
+    InputDriver driver = p.driver();
+    const auto end = [&](double turn) {
+        CHECK(driver.take(valueOf("face", "b", {turn})));
+        std::optional<Vec3> place;
+        const int tip = p.session.plan().pointIndex(*p.session.document().endpoint("b/end"));
+        for (int i = 0; i < 30; ++i)
+            for (const LiveInput& input : driver.step(kStep))
+                if (input.kind == LiveInput::Kind::End && p.session.plan().pointIndex(input.end) == tip) place = input.target;
+        return place;
+    };
+    const auto first = end(0.5);
+    driver.letGo();
+    for (int i = 0; i < 10; ++i) (void)driver.step(kStep);
+    const auto again = end(0.5);
+    REQUIRE(first);
+    REQUIRE(again);
+    CHECK((*again - *first).norm() < 1e-12);
+}
+
 TEST_CASE("live: weights of morph targets are inputs of steps: the script has them, and makes the same again") {
     Puppet p;
     p.good({{"do", "record"}, {"take", "smiling"}, {"action", "start"}});

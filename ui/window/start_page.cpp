@@ -263,6 +263,7 @@ int StartPage::room() const { return width() - 2 * px(kBeside) - style()->pixelM
 
 int StartPage::tileWidthThatFits() const {
     const int columns = columnsThatFit();
+    if (columns == 1) return px(kTileWidth);
     return std::clamp((room() - (columns - 1) * px(kGap)) / columns, px(kLeastTileWidth), px(kTileWidth));
 }
 
