@@ -577,6 +577,7 @@ TEST_CASE("live: what is performed is sent to a program that listens, as long as
     outputs.remove(0);
     // By VMC an octopus has no bones, which is said where it is switched on.
     const QList<Sample> all = samples();
+    w.run({{"do", "new"}});  // nobody asks about changes
     w.open(std::ranges::find(all, QStringLiteral("octopus"), &Sample::name)->path);
     outputs.add(OutputProtocol::Vmc);
     outputs.setOn(0, true);
