@@ -2751,6 +2751,11 @@
     <context>
         <name>imomushi::CalibrationBar</name>
         <message>
+            <source>%1: nothing of it is mapped</source>
+            <comment>a pose</comment>
+            <translation>%1：対応づけがありません</translation>
+        </message>
+        <message>
             <source>%1: off by %2</source>
             <comment>a pose</comment>
             <translation>%1：ずれ %2</translation>
@@ -7529,6 +7534,10 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     </context>
     <context>
         <name>imomushi::SourceRows</name>
+        <message>
+            <source>Calibrated…</source>
+            <translation>キャリブレーション済み…</translation>
+        </message>
         <message>
             <source>Calibrate…</source>
             <translation>合わせる…</translation>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cycles: movements that repeat through kept poses.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "core/commands/core_commands.h"
@@ -92,32 +93,37 @@ Result<Json> removeCycle(DocumentEdit& edit, const Json& arguments, const Progre
     cycles.erase(cycle);
     setCycles(edit.document, std::move(cycles));
     Json removed = Json::array();
+    std::set<std::string> uncalibrated;
     if (arguments.value("poses", false)) {
         KeptPoses poses = keptPoses(edit.document);
         std::erase_if(poses, [&](const KeptPose& pose) {
             const bool goes = through.contains(pose.name) && cyclesThrough(edit.document, pose.name).empty();
-            if (goes) {
-                removed.push_back(pose.name);
-                (void)dropPoseFromCalibrations(edit.document, pose.name);
-            }
+            if (goes) removed.push_back(pose.name);
             return goes;
         });
+        for (const Json& pose : removed)
+            for (std::string& source : dropPoseFromCalibrations(edit.document, pose.get<std::string>())) uncalibrated.insert(std::move(source));
         if (!removed.empty()) setKeptPoses(edit.document, std::move(poses));
     }
-    return Json{{"removed_poses", std::move(removed)}};
+    Json answer{{"removed_poses", std::move(removed)}};
+    if (!uncalibrated.empty()) answer["uncalibrated"] = uncalibrated;
+    return answer;
 }
 
 /// Suggested cycles get other names, and so do their poses.
 Result<void> renameSuggested(std::vector<SuggestedCycle>& suggested, const Json& names) {
-    std::set<std::string> taken;
+    std::map<std::string, std::string> called{{"crawl", "crawl"}, {"sway", "sway"}, {"breathe", "breathe"}};
     for (const auto& [kind, name] : names.items()) {
-        if (kind != "crawl" && kind != "sway" && kind != "breathe") return fail("unknown-key", "\"names\" has names for \"crawl\", \"sway\" and \"breathe\", not for \"" + kind + "\".");
+        if (!called.contains(kind)) return fail("unknown-key", "\"names\" has names for \"crawl\", \"sway\" and \"breathe\", not for \"" + kind + "\".");
         if (!name.is_string()) return fail("bad-type", "\"names\" must have texts.");
         if (auto ok = checkCycleName(name.get<std::string>()); !ok) return ok;
-        if (!taken.insert(name.get<std::string>()).second) return fail("name-taken", "\"names\" has \"" + name.get<std::string>() + "\" twice: choose different names.");
+        called[kind] = name.get<std::string>();
     }
+    std::set<std::string> taken;
+    for (const auto& [kind, name] : called)
+        if (!taken.insert(name).second) return fail("name-taken", "Two cycles would be called \"" + name + "\": choose different names.");
     for (SuggestedCycle& made : suggested) {
-        made.cycle.name = names.value(made.cycle.name, made.cycle.name);
+        made.cycle.name = called.at(made.cycle.name);
         for (std::size_t p = 0; p < made.poses.size(); ++p) made.poses[p].name = made.cycle.poses[p] = made.cycle.name + " " + std::to_string(p + 1);
     }
     return {};
@@ -163,7 +169,7 @@ void addCycleCommands(CommandRegistry& registry) {
     registry.addChange("suggest-cycles", "Makes cycles and their kept poses from the skeleton: \"crawl\" (chains of three bones and more that lie near the ground rise and fall in waves from root to tip), \"sway\" (limbs and tails swing to the side, legs stand) and \"breathe\" (the body gets a little longer; without bones, handles rise). Cycles and poses of these names are replaced.",
                        {{"names", Type::Object, false, "Other names, by \"crawl\", \"sway\" or \"breathe\". Their poses are called so with a number."}}, suggestCycles);
     registry.addChange("rename-cycle", "Renames a cycle; mappings follow.", {{"cycle", Type::Text, true, "Its name."}, {"name", Type::Text, true, "A name that no cycle has."}}, renameCycle);
-    registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false)."}}, removeCycle);
+    registry.addChange("remove-cycle", "Removes a cycle.", {{"cycle", Type::Text, true, "Its name."}, {"poses", Type::Boolean, false, "With the kept poses that no other cycle goes through (false). Calibrations lose them (\"uncalibrated\" in the answer: of these sources)."}}, removeCycle);
 }
 
 }  // namespace imomushi

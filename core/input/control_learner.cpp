@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/input/pose_numbers.h"
+
 namespace imomushi {
 
 namespace {
@@ -21,8 +23,7 @@ constexpr double kSeen = 0.5;
 constexpr std::pair<double, double> kUsual[] = {{0.0, 1.0}, {-1.0, 1.0}, {0.0, 127.0}, {0.0, 255.0}};
 
 /// Poses of the VMC protocol have ten numbers; of these, the rotation is told twice, and one number of a quaternion alone means nothing.
-constexpr int kPoseNumbers = 10;
-bool meansNothing(const InputValue& value, int component) { return value.count == kPoseNumbers && component >= 3 && component <= 6; }
+bool meansNothing(const InputValue& value, int component) { return value.count == kPoseNumbers && component >= kPoseRotation && component < kPoseTurn; }
 
 std::pair<double, double> usualRange(double low, double high) {
     for (const auto& [usualLow, usualHigh] : kUsual)

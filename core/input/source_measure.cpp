@@ -5,18 +5,13 @@
 #include <cmath>
 
 #include "core/base/rotation_vector.h"
+#include "core/input/pose_numbers.h"
 
 namespace imomushi {
 
 namespace {
 
-// Channels that say poses, see vmc_decoder.cpp: where their rotation is, and the same as a rotation vector.
-constexpr int kNumbersOfPose = 10, kRotation = 3, kRotationVector = 7;
-constexpr double kUnitLength = 1e-3;
-
-Eigen::Map<const Eigen::Vector4d> rotationIn(const std::array<double, InputValue::kMost>& numbers) { return Eigen::Map<const Eigen::Vector4d>(numbers.data() + kRotation); }
-
-bool saysPose(const InputValue& value) { return value.count == kNumbersOfPose && std::abs(rotationIn(value.numbers).norm() - 1.0) < kUnitLength; }
+bool saysPose(const InputValue& value) { return imomushi::saysPose(std::span(value.numbers).first(static_cast<std::size_t>(value.count))); }
 
 }  // namespace
 
@@ -44,7 +39,7 @@ void SourceMeasure::add(const InputValue& value, bool before) {
     const bool turned = saysPose(value) && rotationIn(value.numbers).dot(rotationIn(channel.sums)) < 0.0;
     for (int k = 0; k < value.count; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        channel.sums[at] += turned && k >= kRotation && k < kRotationVector ? -value.numbers[at] : value.numbers[at];
+        channel.sums[at] += turned && k >= kPoseRotation && k < kPoseTurn ? -value.numbers[at] : value.numbers[at];
     }
     ++channel.count;
 }
@@ -55,10 +50,10 @@ std::map<std::string, std::vector<double>> SourceMeasure::means() const {
         std::vector<double>& numbers = made[name];
         for (int k = 0; k < channel.numbers; ++k) numbers.push_back(channel.sums[static_cast<std::size_t>(k)] / static_cast<double>(channel.count));
         if (!channel.pose) continue;
-        const Eigen::Quaterniond q = Eigen::Quaterniond(numbers[kRotation + 3], numbers[kRotation], numbers[kRotation + 1], numbers[kRotation + 2]).normalized();
+        const Eigen::Quaterniond q = Eigen::Quaterniond(numbers[kPoseRotation + 3], numbers[kPoseRotation], numbers[kPoseRotation + 1], numbers[kPoseRotation + 2]).normalized();
         const Vec3 v = rotationVector(q);
-        for (int k = 0; k < 4; ++k) numbers[static_cast<std::size_t>(kRotation + k)] = q.coeffs()[k];
-        for (int k = 0; k < 3; ++k) numbers[static_cast<std::size_t>(kRotationVector + k)] = v[k];
+        for (int k = 0; k < 4; ++k) numbers[static_cast<std::size_t>(kPoseRotation + k)] = q.coeffs()[k];
+        for (int k = 0; k < 3; ++k) numbers[static_cast<std::size_t>(kPoseTurn + k)] = v[k];
     }
     return made;
 }

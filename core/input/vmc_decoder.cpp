@@ -12,6 +12,7 @@
 #include "core/base/rotation_vector.h"
 #include "core/input/decoders.h"
 #include "core/input/osc_packet.h"
+#include "core/input/pose_numbers.h"
 
 namespace imomushi {
 
@@ -63,7 +64,7 @@ private:
         if (!(std::abs(length - 1.0) <= kUnitRotation)) return false;
         const Eigen::Quaterniond turn(n[6] / length, n[3] / length, -n[4] / length, -n[5] / length);
         const Vec3 v = rotationVector(turn);
-        const std::array<double, 10> said = {-n[0], n[1], n[2], turn.x(), turn.y(), turn.z(), turn.w(), v.x(), v.y(), v.z()};
+        const std::array<double, kPoseNumbers> said = {-n[0], n[1], n[2], turn.x(), turn.y(), turn.z(), turn.w(), v.x(), v.y(), v.z()};
         return add(kind.empty() ? std::string("root") : std::string(kind) + std::string(a[0].text), said);
     }
 

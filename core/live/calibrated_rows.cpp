@@ -13,6 +13,7 @@
 #include "core/document/kept_pose.h"
 #include "core/document/source_calibration.h"
 #include "core/input/calibration.h"
+#include "core/input/pose_numbers.h"
 #include "core/live/pose_parts.h"
 #include "core/mesh/render_model.h"
 #include "core/skeleton/bone_tree.h"
@@ -24,19 +25,9 @@ namespace {
 using Kind = MappedTarget::Kind;
 using Said = std::vector<double>;
 
-/// Channels that say ten numbers: a place, a rotation x y z w and the same as a rotation vector (vmc_decoder.cpp).
-constexpr std::size_t kPoseNumbers = 10;
-constexpr int kPoseTurn = 7;
-constexpr double kUnit = 1e-3;  // how far the length of a rotation that was averaged may be from 1
 constexpr double kSameSlope = 1e-9;
 
 constexpr double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
-
-bool saysPose(const Said& said) {
-    if (said.size() != kPoseNumbers) return false;
-    const Eigen::Vector4d q(said[3], said[4], said[5], said[6]);
-    return std::abs(q.norm() - 1.0) < kUnit;
-}
 
 Vec3 threeOf(const Said& said, int first) {
     const auto at = static_cast<std::size_t>(first);

@@ -167,17 +167,19 @@ void InputDriver::turn(Turned& bone) {
     const Driven* start = bone.start >= 0 ? &driven_[static_cast<std::size_t>(bone.start)] : nullptr;
     const bool hangs = parent && !(start && placed(*start));
     bone.startNow = hangs ? Vec3(parent->startNow + parent->now * (parent->length * bone.fromParent)) : start ? start->input.target : bone.startAt;
-    bone.unposedStart = hangs ? Vec3(parent->unposedStart + parent->unposedNow * (parent->unposedLength * bone.fromParent)) : start ? Vec3(start->input.target - start->byPoses) : bone.startAt;
     // A row that turns a bone gives it its length at rest; poses have lengths of their own.
-    bone.length = bone.hasRow() && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
-    bone.unposedLength = std::max(bone.length - bone.longerByPoses, kShortest);
-    bone.now = (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
+    const double length = bone.hasRow() && !poses_ ? 1.0 : std::max(bone.baseLength + bone.longer, kShortest);
+    bone.length = bone.led ? bone.ledLength : length;
+    bone.now = bone.led ? bone.ledNow : (parent ? parent->now : bone.parentTurn) * rotationOf(bone.turn);
+    if (posed_.empty() || limbs_.empty()) return;  // nobody asks what it is without poses
+    bone.unposedStart = hangs ? Vec3(parent->unposedStart + parent->unposedNow * (parent->unposedLength * bone.fromParent)) : start ? Vec3(start->input.target - start->byPoses) : bone.startAt;
+    bone.unposedLength = std::max(length - bone.longerByPoses, kShortest);
     bone.unposedNow = (parent ? parent->unposedNow : bone.parentTurn) * rotationOf(bone.turn - bone.byPoses);
-    if (bone.led) bone.now = bone.ledNow, bone.length = bone.ledLength;
 }
 
 void InputDriver::turnAll() {
     for (Turned& bone : turned_) bone.led = false, turn(bone);
+    if (posed_.empty()) return;
     for (const Limb& limb : limbs_) {
         const Turned& last = turned_[limb.bones.front()];
         Driven& end = driven_[last.end];

@@ -19,6 +19,7 @@
 #include "core/document/cycle.h"
 #include "core/document/kept_pose.h"
 #include "core/document/rig_follower.h"
+#include "core/input/pose_numbers.h"
 #include "core/input/voice_analyser.h"
 #include "core/mesh/avatar.h"
 #include "core/mesh/bounds.h"
@@ -203,9 +204,8 @@ void suggestControls(Suggestion& made, const Document& document, const Limbs& li
 bool isHuman(const std::map<std::string, std::string>& roles) { return roles.contains("head") && (roles.contains("leftUpperArm") || roles.contains("leftUpperLeg")); }
 
 void addTurns(Suggestion& made, const std::string& bone, const std::string& turned) {
-    constexpr int kRotationVector = 7;  // of the ten numbers of a bone, see vmc_decoder.cpp
     for (int axis = 0; axis < 3; ++axis)
-        made.add("bone/" + bone, kRotationVector + axis, "bone/" + turned + "/turn-" + "xyz"[axis], -std::numbers::pi, -std::numbers::pi, std::numbers::pi, 0.0, std::numbers::pi);
+        made.add("bone/" + bone, kPoseTurn + axis, "bone/" + turned + "/turn-" + "xyz"[axis], -std::numbers::pi, -std::numbers::pi, std::numbers::pi, 0.0, std::numbers::pi);
 }
 
 void suggestBody(Suggestion& made, const Document& document, const CharacterPlan& plan, const Limbs& limbs) {

@@ -55,7 +55,6 @@ Result<std::optional<TakingHold>> takingHoldOf(const Session& session, const Liv
 Json releasingOf(const Session& session, const LiveInput& input) {
     const Document& document = session.document();
     if (input.kind == LiveInput::Kind::Handle) {
-        if (input.handle >= static_cast<int>(session.plan().handles.size())) return nullptr;
         const auto goal = document.handleGoals.find(session.plan().handles[static_cast<std::size_t>(input.handle)]);
         return goal != document.handleGoals.end() && goal->second.target.held ? Json{{"do", "release"}, {"endpoint", handleName(session, input)}} : Json();
     }

@@ -334,7 +334,8 @@ bool Session::give(const LiveInput& input) {
     if (!performer_ || !performer_->give(input)) return false;
     InputFeed* feed = performer_->feed();
     const LiveInput held = feed ? asDriven(plan(), input) : input;
-    std::erase_if(heldForInputs_, [&](const LiveInput& known) { return known.sameTarget(held); });  // the artist's, from now on
+    followHeld();
+    std::erase_if(heldForInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(held); });  // the artist's, from now on
     if (!feed || std::any_of(byHand_.begin(), byHand_.end(), [&](const LiveInput& known) { return known.sameTarget(held); })) return true;
     byHand_.push_back(held);
     (void)feed->giveToHand(held);
@@ -386,7 +387,7 @@ Result<bool> Session::holdInputs() {
         if (auto done = execute(hold->command); !done) return tl::unexpected(done.error());
         if (refused->kind == LiveInput::Kind::Morph) history_.passesOn(refused->morph);
         if (refused->kind == LiveInput::Kind::Effect) history_.effectsPassOn();
-        if (!refused->isNumber()) heldForInputs_.push_back(*refused);
+        if (!refused->isNumber()) heldForInputs_.push_back({*refused, refused->kind == LiveInput::Kind::Handle ? plan().handles[static_cast<std::size_t>(refused->handle)] : FaceRef()});
         held = true;
         feed = performer_->feed();
         if (feed) (void)feed->hold(hold->held);
@@ -399,17 +400,26 @@ bool Session::inputsLeft() {
     if (!feed || heldForInputs_.empty() || moving() || feed->refuses()) return false;
     if (std::exchange(lookedAt_, performer_->frame().step) == performer_->frame().step) return false;
     const ParkedPerformer parked(performer_.get());
-    return std::ranges::any_of(heldForInputs_, [&](const LiveInput& held) { return !feed->driver().moves(held); });
+    followHeld();
+    return std::ranges::any_of(heldForInputs_, [&](const HeldForInputs& held) { return !feed->driver().moves(held.input); });
+}
+
+void Session::followHeld() {
+    std::erase_if(heldForInputs_, [this](HeldForInputs& held) {
+        if (held.input.kind == LiveInput::Kind::Handle) held.input.handle = plan().handleIndex(held.handle);
+        return held.input.kind == LiveInput::Kind::Handle && held.input.handle < 0;
+    });
 }
 
 Result<void> Session::releaseInputs() {
     const InputFeed* feed = performer_ ? performer_->feed() : nullptr;
     if (!feed) return {};
     const ParkedPerformer parked(performer_.get());
+    followHeld();
     std::vector<Json> commands;
-    std::erase_if(heldForInputs_, [&](const LiveInput& held) {
-        if (feed->driver().moves(held)) return false;
-        if (Json command = releasingOf(*this, held); !command.is_null()) commands.push_back(std::move(command));
+    std::erase_if(heldForInputs_, [&](const HeldForInputs& held) {
+        if (feed->driver().moves(held.input)) return false;
+        if (Json command = releasingOf(*this, held.input); !command.is_null()) commands.push_back(std::move(command));
         return true;
     });
     for (const Json& command : commands)
@@ -490,6 +500,7 @@ Result<bool> SessionAccess::undo(int count) {
     const Document before = session.document();
     if (auto ok = session.history_.undo(count); !ok) return tl::unexpected(ok.error());
     if (InputFeed* feed = session.performer_ ? session.performer_->feed() : nullptr) feed->forgetNumbers();
+    session.heldForInputs_.clear();  // what is held now is what the artist went back to
     session.historyMoved_ = true;
     live.followExchange(before);
     return true;
@@ -499,6 +510,7 @@ Result<bool> SessionAccess::redo(int count) {
     session.endGesture();
     const Document before = session.document();
     if (auto ok = session.history_.redo(count); !ok) return tl::unexpected(ok.error());
+    session.heldForInputs_.clear();
     session.historyMoved_ = true;
     live.followExchange(before);
     return true;

@@ -196,7 +196,13 @@ private:
     DocumentResponses responses_;
     std::unique_ptr<LiveCharacter> live_;
     std::unique_ptr<Performer> performer_;  // null: frames are stepped here
-    std::vector<LiveInput> heldForInputs_;  // ends and handles that holdInputs() grabbed
+    struct HeldForInputs {
+        LiveInput input;
+        FaceRef handle;  // of one: its number in the plan may be another one by now
+    };
+    std::vector<HeldForInputs> heldForInputs_;  // ends and handles that holdInputs() grabbed, since the history was moved last
+    /// They are called as the plan calls them now.
+    void followHeld();
     std::uint64_t lookedAt_ = 0;            // the step at which inputsLeft() looked last
     std::vector<LiveInput> byHand_;         // what the gesture that goes on was given by give()
     std::function<void(const Change&)> listener_;

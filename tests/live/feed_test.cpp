@@ -145,6 +145,56 @@ TEST_CASE("feed: it is let go where the handles of the character are others; a p
     CHECK(!feed->give(std::span(many).first(1)));
 }
 
+TEST_CASE("feed: what inputs held is let go where nothing moves it any more, and what the artist holds since then is not") {
+    Fed f;
+    f.good({{"do", "disable"}, {"effect", "bone-dynamics"}});
+    f.good({{"do", "handle"}, {"element", "A"}, {"name", "first"}, {"point", {0.5, 0.0, 1.5}}, {"radius", 0.2}});
+    f.good({{"do", "handle"}, {"element", "B"}, {"name", "second"}, {"point", {-0.5, 0.0, 4.5}}, {"radius", 0.2}});
+    f.good({{"do", "handle"}, {"element", "B"}, {"name", "third"}, {"point", {0.5, 0.0, 4.5}}, {"radius", 0.2}});
+    f.good({{"do", "map-input"}, {"source", "pad"}, {"channel", "h"}, {"target", "handle/second/y"}, {"in", {-1, 1}}});
+    f.good({{"do", "precompute"}});
+    REQUIRE(f.session.builtCharacter());
+    std::shared_ptr<InputFeed> feed;
+    const auto hear = [&] {
+        feed = std::make_shared<InputFeed>(f.driver());
+        REQUIRE(f.session.performInputs(feed));
+    };
+    const auto isHeld = [&](const char* handle) {
+        const auto goal = f.session.document().handleGoals.find({f.session.document().elementNamed("B")->id, handle});
+        return goal != f.session.document().handleGoals.end() && goal->second.target.held;
+    };
+    f.session.perform([] {});
+    hear();
+    CHECK(feed->give(std::vector<InputValue>{valueOf("pad", "x", {0.5}), valueOf("pad", "h", {0.05})}));
+    CHECK(f.wait([&] { return f.session.inputsWait() && f.session.holdInputs().value() && isHeld("second") && f.session.document().goals.size() == 2; }));
+    // What drives them holds them.
+    CHECK(f.wait([&] { return !f.session.moving(); }));
+    CHECK(!f.session.inputsLeft());
+    // Another handle gets its number, and the artist holds that.
+    f.good({{"do", "remove-handle"}, {"handle", "first"}});
+    f.good({{"do", "precompute"}});
+    f.good({{"do", "drag"}, {"endpoint", "third"}, {"to", {0.55, 0.0, 4.5}}});
+    hear();
+    feed->letGo();
+    CHECK(f.wait([&] { return f.session.inputsLeft(); }));
+    CHECK(f.session.releaseInputs());
+    CHECK(!isHeld("second"));
+    CHECK(isHeld("third"));
+    CHECK(f.session.document().goals.size() == 1);  // the pin
+    // Where the hold was undone, what is held there later is the artist's.
+    CHECK(feed->give(std::vector<InputValue>{valueOf("pad", "x", {0.8})}));
+    CHECK(f.wait([&] { return f.session.inputsWait() && f.session.holdInputs().value(); }));
+    f.good({{"do", "undo"}});
+    f.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {0.1, 0, 6}}});
+    hear();
+    feed->letGo();
+    CHECK(f.wait([&] { return !f.session.moving(); }));
+    std::this_thread::sleep_for(50ms);
+    f.session.takeFrame();
+    CHECK(!f.session.inputsLeft());
+    CHECK(f.session.document().goals.size() == 2);
+}
+
 TEST_CASE("feed: ten seconds at rest with an open source make no step; the next packet is taken by the next step, though the window looks away") {
     Fed f;
     std::atomic<int> steps{0};

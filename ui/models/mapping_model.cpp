@@ -103,7 +103,11 @@ QVariant MappingModel::data(const QModelIndex& index, int role) const {
         case Target:
             if (role == Qt::DisplayRole) return target.briefText();
             if (role == Qt::AccessibleTextRole) return target.text();
-            if (role == TroubleRole || role == Qt::ToolTipRole) return !target.there ? tr("The character has no “%1”. The row waits for it.").arg(QString::fromStdString(m->target)) : role == Qt::ToolTipRole && conflict(index.row()).isEmpty() ? target.text() : conflict(index.row());
+            if (role == TroubleRole || role == Qt::ToolTipRole) {
+                if (!target.there) return tr("The character has no “%1”. The row waits for it.").arg(QString::fromStdString(m->target));
+                const QString trouble = conflict(index.row());
+                return trouble.isEmpty() && role == Qt::ToolTipRole ? target.text() : trouble;
+            }
             break;
         case Mute:
             if (role == OnRole) return m->row.muted;

@@ -11,6 +11,7 @@
 #include "core/document/kept_pose.h"
 #include "core/document/names.h"
 #include "core/input/key_names.h"
+#include "core/input/pose_numbers.h"
 #include "core/live/live_input.h"
 #include "core/live/suggested_mappings.h"
 #include "core/mesh/render_model.h"
@@ -139,8 +140,8 @@ QString channelText(const InputMapping& mapping) {
     const QString channel = QString::fromStdString(mapping.row.channel);
     const int component = mapping.row.component;
     for (const QLatin1String kind : {QLatin1String("bone/"), QLatin1String("tracker/"), QLatin1String("controller/"), QLatin1String("hmd/")})
-        if (channel.startsWith(kind) && (component < 3 || component >= 7))
-            return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < 3 ? placeAxis(component) : turnAxis(component - 7));
+        if (channel.startsWith(kind) && (component < kPoseRotation || component >= kPoseTurn))
+            return MappingTexts::tr("%1, %2", "a control, a number of it").arg(channel.mid(kind.size()), component < kPoseRotation ? placeAxis(component) : turnAxis(component - kPoseTurn));
     if (channel.startsWith(QLatin1String("blend/"))) return channel.mid(6);
     const QString known = knownControl(mapping.row.channel);
     if (component < 2 && std::any_of(kKeySticks.begin(), kKeySticks.end(), [&](const KeyStick& s) { return s.name == mapping.row.channel; }))

@@ -5,6 +5,7 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QScrollArea>
+#include <QScrollBar>
 
 #include "ui/models/failures.h"
 
@@ -25,7 +26,7 @@ public:
 private:
     static QObject* scrolled(QObject* receiver) {
         auto* field = qobject_cast<QWidget*>(receiver);
-        if (!field || field->hasFocus() || (!qobject_cast<QComboBox*>(field) && (!qobject_cast<QAbstractSlider*>(field) || field->inherits("QScrollBar")))) return receiver;
+        if (!field || field->hasFocus() || (!qobject_cast<QComboBox*>(field) && (!qobject_cast<QAbstractSlider*>(field) || qobject_cast<QScrollBar*>(field)))) return receiver;
         for (QWidget* up = field->parentWidget(); up; up = up->parentWidget())
             if (auto* area = qobject_cast<QScrollArea*>(up)) return area->viewport();
         return receiver;

@@ -123,7 +123,8 @@ void CalibrationBar::follow() {
         if (i >= poses.size()) continue;
         taken.pose = poses[i].pose;
         const QString name = poseText(taken.pose);
-        taken.says->setText(tr("%1: off by %2", "a pose").arg(name, residualText(poses[i].off)));
+        const QString off = residualText(poses[i].off);
+        taken.says->setText(off.isEmpty() ? tr("%1: nothing of it is mapped", "a pose").arg(name) : tr("%1: off by %2", "a pose").arg(name, off));
         taken.clear->setToolTip(tr("Forget what was measured in this pose"));
         taken.clear->setAccessibleName(tr("Forget %1", "a pose").arg(name));
     }

@@ -211,7 +211,8 @@ void SourceRows::followCalibrations() {
         button.setVisible(calibrator_.canCalibrate(sources[i]));
         if (!button.isVisibleTo(rows_[i].all)) continue;
         const auto poses = calibrator_.posesOf(sources[i].name);
-        button.setText(poses.empty() ? tr("Calibrate…") : tr("Calibrated, off by %1…").arg(residualText(mostOf(poses))));
+        const QString off = residualText(mostOf(poses));  // empty: rows map other channels by now
+        button.setText(poses.empty() ? tr("Calibrate…") : off.isEmpty() ? tr("Calibrated…") : tr("Calibrated, off by %1…").arg(off));
         button.setToolTip(tr("What this source says in a pose of yours becomes that pose of the character: who stands turned or leans, or wears a sensor askew, is put right."));
     }
 }
