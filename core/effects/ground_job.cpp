@@ -14,8 +14,12 @@ namespace {
 // Sizes of an element: the ground begins to carry flesh that is as near.
 constexpr double kNear = 0.1;
 
-/// What moves a place of an element at rest: nearest of the ends of its nearest bone, or of its joints.
+/// What moves a place of an element at rest: the nearer end of its nearest bone. Where that end is no joint of an element that has several (the end of a spine between two hips), no flesh
+/// goes where it goes: then it is the nearest joint.
 FleshPoint moverOf(const CharacterInput& input, const ElementState& element, std::size_t index, const Vec3& rest) {
+    const auto pointOf = [&](int joint) { return input.joints[static_cast<std::size_t>(joint)].point; };
+    const auto points = std::count_if(element.jointOf.begin(), element.jointOf.end(), [&](int j) { return pointOf(j) >= 0; });
+    const auto moves = [&](int point) { return points < 2 || std::any_of(element.jointOf.begin(), element.jointOf.end(), [&](int j) { return pointOf(j) == point; }); };
     FleshPoint out;
     double nearest = std::numeric_limits<double>::infinity();
     const Skeleton& skeleton = input.skeleton;
@@ -28,12 +32,12 @@ FleshPoint moverOf(const CharacterInput& input, const ElementState& element, std
         nearest = square;
         out = {part < 0.5 ? bone.start : bone.end, b, std::max({0.0, -part, part - 1.0})};
     }
-    if (out.point >= 0) return out;
+    if (out.point >= 0 && moves(out.point)) return out;
+    nearest = std::numeric_limits<double>::infinity();
     for (const int j : element.jointOf) {
-        const auto& joint = input.joints[static_cast<std::size_t>(j)];
-        if (joint.point < 0) continue;
-        const double square = (skeleton.points[static_cast<std::size_t>(joint.point)] - rest).squaredNorm();
-        if (square < nearest) nearest = square, out.point = joint.point;
+        if (pointOf(j) < 0) continue;
+        const double square = (skeleton.points[static_cast<std::size_t>(pointOf(j))] - rest).squaredNorm();
+        if (square < nearest) nearest = square, out = {pointOf(j)};
     }
     return out;
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/effects/ground_job.h"
+#include "core/skeleton/bone_tree.h"
 #include "tests/document/workbench.h"
 #include "tests/support/plain_sample.h"
 #include "tests/support/thorough.h"
@@ -143,6 +145,45 @@ TEST_CASE("ground: without bone dynamics every sample comes to rest above a grou
             CHECK(scene.lowest() == doctest::Approx(0.0).epsilon(kStill));
             CHECK_FALSE(scene.w.session.moving());
         }
+}
+
+TEST_CASE("ground: an end that several bones share takes the flesh along that is said to hang on it when it is lifted, in every sample") {
+    for (const std::string sample : {"caterpillar", "figure", "octopus", "dragon"}) {
+        CAPTURE(sample);
+        OnGround scene(sample, {"ground"});
+        CharacterInput input = scene.w.session.character()->input();
+        GroundEffect ground;
+        ground.height = 1e9;  // none of it is far above
+        input.effects.set(ground);
+        auto c = Character::build(input).value();
+        const Pose rest = restPose(input.skeleton);
+        const double lift = 0.01 * scene.size();
+        for (std::size_t p = 0; p < rest.points.size(); ++p) {
+            // The end of a limb turns its flesh instead, and not at all along the bone.
+            if (std::ranges::count_if(input.skeleton.bones, [&](const auto& b) { return b.start == static_cast<int>(p) || b.end == static_cast<int>(p); }) < 2) continue;
+            c.update(rest);
+            const auto flesh = [&] {
+                std::vector<double> heights;
+                for (const FleshPoint& f : groundFlesh(c))
+                    if (f.point == static_cast<int>(p)) heights.push_back(c.pose().points[p].y() + f.offset.y());
+                return heights;
+            };
+            const std::vector<double> before = flesh();
+            if (before.empty()) continue;
+            Pose lifted = rest;
+            lifted.points[p].y() += lift;
+            for (std::size_t b = 0; b < input.skeleton.bones.size(); ++b) {
+                const auto along = [&](const Pose& pose) -> Vec3 { return (pose.points[static_cast<std::size_t>(input.skeleton.bones[b].end)] - pose.points[static_cast<std::size_t>(input.skeleton.bones[b].start)]).normalized(); };
+                lifted.frames[b] = minimalRotation(along(rest), along(lifted)) * rest.frames[b];
+            }
+            c.update(lifted);
+            const std::vector<double> after = flesh();
+            double rise = 0.0;
+            for (std::size_t i = 0; i < before.size(); ++i) rise += (after[i] - before[i]) / static_cast<double>(before.size());
+            CAPTURE(p);
+            CHECK(rise > 0.5 * lift);
+        }
+    }
 }
 
 TEST_CASE("ground: with contact flesh is dented, and its bones come down no farther than dents carry") {
