@@ -167,8 +167,12 @@ void Character::State::weighEffects() {
         findMotions(out);
         out.warpPart = 0.0;
         if (out.runtime->watch->isCalm(out.watched)) continue;
-        findParameters(e);
-        out.warpPart = PoseWatch::callForWarp(out.runtime->watch->measure(out.v, out.watched, out.watchRoom));
+        if (PoseWatch::isBent(out.watched)) {
+            out.warpPart = 1.0;
+        } else {
+            findParameters(e);
+            out.warpPart = PoseWatch::callForWarp(out.runtime->watch->measure(out.v, out.watched, out.watchRoom));
+        }
         for (const int j : jointsOf[e]) {
             auto& part = frame.joints[static_cast<std::size_t>(j)].warpPart;
             part = std::max(part, out.warpPart);

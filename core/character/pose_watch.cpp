@@ -41,6 +41,13 @@ double ramp(double x, double from, double to) {
     return t * t * (3.0 - 2.0 * t);
 }
 
+/// rad, 0 ... 2 pi.
+double largestTurn(std::span<const FaceMotion> motions) {
+    double largest = 0.0;
+    for (const auto& motion : motions) largest = std::max(largest, 2.0 * std::atan2(motion.rotation.vec().norm(), motion.rotation.w()));
+    return largest;
+}
+
 // Where the bend warp begins, and where it is whole. The volume goes with the square of a bend.
 constexpr double kAreaFrom = 0.75, kAreaTo = 0.4;
 constexpr double kDepthFrom = 0.7, kDepthTo = 0.35;
@@ -286,7 +293,7 @@ PoseMeasures PoseWatch::measure(const VectorXd& v, std::span<const FaceMotion> m
     room.moves.noalias() = rows_ * v;
     const auto at = [&](int sample) -> Vec3 { return rest_.row(sample).transpose() + room.moves.segment<3>(3 * sample); };
     const auto normalAt = [&](const Triangle& t) -> Vec3 { return (at(t.corner[1]) - at(t.corner[0])).cross(at(t.corner[2]) - at(t.corner[0])); };
-    for (const auto& motion : motions) out.bend = std::max(out.bend, 2.0 * std::atan2(motion.rotation.vec().norm(), motion.rotation.w()));
+    out.bend = largestTurn(motions);
     for (const auto& t : triangles_) {
         const Eigen::Quaterniond& turn = motions[static_cast<std::size_t>(t.face)].rotation;
         const Vec3 n = normalAt(t) / t.area;
@@ -336,6 +343,8 @@ bool PoseWatch::isCalm(std::span<const FaceMotion> motions) const {
         if (!(sizeOf(motions[f], f) <= calm_)) return false;
     return true;
 }
+
+bool PoseWatch::isBent(std::span<const FaceMotion> motions) { return largestTurn(motions) >= kBendTo; }
 
 double PoseWatch::callForWarp(const PoseMeasures& m) {
     return std::max({ramp(m.area, kAreaFrom, kAreaTo), ramp(m.depth, kDepthFrom, kDepthTo), ramp(std::sqrt(std::abs(m.volume)), std::sqrt(kVolumeFrom), std::sqrt(kVolumeTo)), ramp(m.bend, kBendFrom, kBendTo)});

@@ -45,6 +45,8 @@ public:
     /// Joint faces turn, move and stretch so little that nothing is called for: no need to measure. Some hundred nanoseconds.
     [[nodiscard]] bool isCalm(std::span<const FaceMotion> motions) const;
 
+    /// A joint face turns so far that all of the bend warp is called for, whatever the other measures are.
+    [[nodiscard]] static bool isBent(std::span<const FaceMotion> motions);
     /// 0 ... 1, smooth in the measures: how much of the bend warp a pose calls for. All of it before anything folds or the volume is off by 2 %.
     static double callForWarp(const PoseMeasures& measures);
 

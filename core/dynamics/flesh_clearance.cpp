@@ -24,8 +24,8 @@ void FleshClearance::see(std::span<const FleshPoint> flesh, const std::vector<Ve
     for (Bone& b : bones_) {
         const Vec3 along = points[static_cast<std::size_t>(b.end)] - points[static_cast<std::size_t>(b.start)];
         const double length = along.norm();
-        b.turned = Eigen::Quaterniond::Identity();
-        if (length > 0.0) b.turned = minimalRotation(b.shown, along / length), b.shown = along / length;
+        b.turned.setIdentity();
+        if (length > 0.0) b.turned = minimalRotation(b.shown, along / length).toRotationMatrix(), b.shown = along / length;
     }
     const bool known = flesh_.size() == flesh.size() && part < 1.0;
     if (!known) flesh_.assign(flesh.begin(), flesh.end());

@@ -47,7 +47,7 @@ private:
         int start = -1, end = -1;
         Vec3 shown = Vec3::UnitX();   // its direction when flesh was shown
         Vec3 normal = Vec3::UnitY();  // of the plane, turned back from now to then
-        Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  // since it was shown before
+        Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();  // since it was shown before
     };
     std::vector<Bone> bones_;
     std::vector<FleshPoint> flesh_;

@@ -16,8 +16,8 @@ namespace imomushi {
 
 namespace {
 
-/// A frame whose flesh came deep into the ground is lifted in this many rounds at most.
-constexpr int kLiftsOfFrame = 4;
+/// A frame whose flesh came deep into the ground is lifted in this many rounds at most; what is left, a part of a hundred, all of the character goes up by.
+constexpr int kLiftsOfFrame = 2;
 
 /// Frames on another thread for which there is room from the start: a quarter of an hour at 60 Hz.
 constexpr std::size_t kFramesOfStretch = 1 << 16;

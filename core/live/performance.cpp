@@ -206,7 +206,7 @@ void Performance::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<
     if (!ground_) return;
     flesh_.assign(flesh.begin(), flesh.end());
     for (FleshPoint& f : flesh_)
-        if (const double far = f.offset.norm(); far > 0.0) f.offset *= 1.0 - std::min(pressed_, kMostPressed * size_ / far);
+        if (const double far = pressed_ > 0.0 ? f.offset.norm() : 0.0; far > 0.0) f.offset *= 1.0 - std::min(pressed_, kMostPressed * size_ / far);
     if (dynamics_) dynamics_->seeFlesh(flesh_, points);
     clearing_->see(flesh_, points);
     if (dynamics_) {

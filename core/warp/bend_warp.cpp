@@ -101,7 +101,7 @@ struct BendWarp::State {
         base = displacement = at = force = t.rest;
         targets.resize(t.triangles.size());
         strains.resize(t.faces.size());
-        strained.reserve(t.surface.size());
+        strained.reserve(static_cast<std::size_t>(t.free));
         planes.resize(t.faces.size());
         if (!t.carrier) return;
         coarse.assign(3 * t.indexOf.size(), 0.0f);
@@ -287,8 +287,7 @@ struct BendWarp::State {
         for (int i = 0; i < t.free; ++i) at[i] += force[i];
     }
 
-    // The end of step 4. `force` and `displacement` are free by then: their fourth numbers hold how much a vertex is smoothed, 0 to 1, and how many neighbours were summed (each counts
-    // twice, once for each triangle at the edge to it).
+    // The end of step 4. `force` and `displacement` are free by then: fourth numbers of the one hold how much a vertex is smoothed, 0 to 1, and the other holds where it goes.
     void smoothStrained() {
         std::fill(force.begin(), force.end(), Vector4f::Zero());
         for (std::size_t k = 0; k < t.triangles.size(); ++k)
@@ -297,18 +296,20 @@ struct BendWarp::State {
                 for (const auto& corner : t.triangles[k].corner) force[corner[lane] / 4][3] = std::max(force[corner[lane] / 4][3], strain);
             }
         strained.clear();
-        for (const auto& triangle : t.surface)
-            if (force[triangle[0]][3] + force[triangle[1]][3] + force[triangle[2]][3] > 0.0f) strained.push_back(triangle);
+        for (int i = 0; i < t.free; ++i)
+            if (force[i][3] > 0.0f) strained.push_back(i);
         for (int pass = 0; pass < kSmoothings; ++pass) {
-            for (const auto& triangle : strained)
-                for (const auto i : triangle) displacement[i].setZero();
-            for (const auto& triangle : strained) {
-                const Vector4f around = at[triangle[0]] + at[triangle[1]] + at[triangle[2]] + Vector4f(0.0f, 0.0f, 0.0f, 2.0f);
-                for (const auto i : triangle) displacement[i] += around - at[i];
-            }
-            for (int i = 0; i < t.free; ++i)
-                if (force[i][3] > 0.0f) at[i].head<3>() += kSmoothing * force[i][3] * (displacement[i].head<3>() / displacement[i][3] - at[i].head<3>());
+            for (const auto i : strained) displacement[i] = at[i] + kSmoothing * force[i][3] * (sumAround(at, i) / countAround(i) - at[i]);
+            for (const auto i : strained) at[i] = displacement[i];
         }
+    }
+
+    // Over the neighbours of a vertex.
+    [[nodiscard]] float countAround(int i) const { return static_cast<float>(t.firstNeighbor[i + 1] - t.firstNeighbor[i]); }
+    [[nodiscard]] Vector4f sumAround(const Vectors& values, int i) const {
+        Vector4f sum = Vector4f::Zero();
+        for (auto n = t.firstNeighbor[i]; n < t.firstNeighbor[i + 1]; ++n) sum += values[t.neighbors[n]];
+        return sum;
     }
 
     // What the linear response says.
@@ -325,31 +326,37 @@ struct BendWarp::State {
             const Vector4f normal(n.x, n.y, n.z, std::sqrt(n.squaredNorm()));
             for (const auto i : triangle) force[i] += normal;
         }
-        // Of the triangles around those around a vertex; the displacement is done with.
-        std::fill(displacement.begin(), displacement.end(), Vector4f::Zero());
-        for (const auto& triangle : t.surface) {
-            const Vector4f around = force[triangle[0]] + force[triangle[1]] + force[triangle[2]];
-            for (const auto i : triangle) displacement[i] += around;
-        }
+        // The way of each vertex, in the displacement, which is done with: by the triangles around those around it, two of which meet each neighbour.
         double now = 0.0, slope = 0.0;
         for (int i = 0; i < t.vertices; ++i) {
-            const Three normal = three(force[i]), around = three(displacement[i]);
-            const float length = std::sqrt(around.squaredNorm()), whole = displacement[i][3];
+            const Three normal = three(force[i]);
+            now += static_cast<double>(normal.dot(three(at[i]))) / 18.0;
+            displacement[i].setZero();
+            if (!(t.inflation[i] > 0.0f)) continue;
+            const Vector4f sums = countAround(i) * force[i] + 2.0f * sumAround(force, i);
+            const Three around = three(sums);
+            const float length = std::sqrt(around.squaredNorm()), whole = sums[3];
             const float smooth = whole > 1e-20f ? length / whole : 0.0f, weight = t.inflation[i] * smooth * smooth;
             const Three way = (length > 1e-20f ? weight / length : 0.0f) * around;
-            now += static_cast<double>(normal.dot(three(at[i]))) / 18.0;
             slope += static_cast<double>(way.dot(normal)) / 6.0;
-            force[i] = four(way);
+            displacement[i] = four(way);
         }
         const double most = kMaxInflation * std::cbrt(t.volume);
-        if (!(slope * most > 1e-6 * t.volume)) return;
-        double by = 0.0;
-        for (int step = 0; step < kVolumeSteps && std::abs(wanted - now) > kVolumeError * t.volume; ++step) {
-            const double next = std::clamp(by + (wanted - now) / slope, -most, most);
-            for (int i = 0; i < t.free; ++i) at[i] += static_cast<float>(next - by) * force[i];
-            by = next;
-            now = volumeNow();
+        if (!(slope * most > 1e-6 * t.volume) || !(std::abs(wanted - now) > kVolumeError * t.volume)) return;
+        // The volume is a cubic of the amount.
+        double square = 0.0, cube = 0.0;
+        for (const auto& c : t.surface) {
+            const Three x0 = three(at[c[0]]), x1 = three(at[c[1]]), x2 = three(at[c[2]]), w0 = three(displacement[c[0]]), w1 = three(displacement[c[1]]), w2 = three(displacement[c[2]]);
+            const Three ways = w1.cross(w2);
+            square += static_cast<double>(x0.dot(ways) + w0.dot(x1.cross(w2) + w1.cross(x2))) / 6.0;
+            cube += static_cast<double>(w0.dot(ways)) / 6.0;
         }
+        double by = 0.0, volume = now;
+        for (int step = 0; step < kVolumeSteps && std::abs(wanted - volume) > kVolumeError * t.volume; ++step) {
+            by = std::clamp(by + (wanted - volume) / slope, -most, most);
+            volume = now + by * (slope + by * (square + by * cube));
+        }
+        for (int i = 0; i < t.free; ++i) at[i] += static_cast<float>(by) * displacement[i];
     }
 
     [[nodiscard]] double volumeNow() const {
@@ -388,7 +395,7 @@ struct BendWarp::State {
     Vectors base, displacement, at, force;
     std::vector<TargetBatch> targets;
     float largestStrain = 0.0f;  // of the response, on a triangle
-    std::vector<std::array<std::int32_t, 3>> strained;  // of the surface
+    std::vector<std::int32_t> strained;  // vertices
     std::vector<FaceStrain> strains;  // per face
     struct Plane {
         Vec3 normal = Vec3::UnitZ(), place = Vec3::Zero();  // m
@@ -437,7 +444,7 @@ BendWarp::Cost BendWarp::cost() const {
     Cost cost{t.seconds, 0, t.factor.entries()};
     cost.bytes = t.factor.bytes() + static_cast<std::size_t>(t.response.size()) * sizeof(float) + 5 * n * sizeof(Vector4f) +
                  3 * static_cast<std::size_t>(t.free) * sizeof(float) + t.triangles.size() * (sizeof(WarpBatch) + sizeof(TargetBatch)) +
-                 t.surface.size() * sizeof(t.surface[0]) + t.slot.size() * sizeof(t.slot[0]) + t.inflation.size() * sizeof(float) +
+                 t.surface.size() * sizeof(t.surface[0]) + (t.neighbors.size() + t.firstNeighbor.size()) * sizeof(t.neighbors[0]) + t.slot.size() * sizeof(t.slot[0]) + t.inflation.size() * sizeof(float) +
                  t.follow.size() * sizeof(FollowBatch);
     for (const auto& table : t.heldColumns) cost.bytes += static_cast<std::size_t>(table.size()) * sizeof(float);
     for (const auto& list : t.contacts) cost.bytes += list.size() * sizeof(BendWarpTables::Contact);

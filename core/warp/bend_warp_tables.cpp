@@ -96,6 +96,20 @@ std::vector<WarpBatch> batchesOf(const std::vector<ElasticTriangle>& triangles) 
     return out;
 }
 
+void findNeighbors(BendWarpTables& s) {
+    std::vector<std::array<std::int32_t, 2>> edges;
+    for (const auto& t : s.surface)
+        for (std::size_t c = 0; c < 3; ++c) edges.push_back({t[c], t[(c + 1) % 3]}), edges.push_back({t[(c + 1) % 3], t[c]});
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    s.firstNeighbor.assign(static_cast<std::size_t>(s.vertices) + 1, 0);
+    for (const auto& e : edges) {
+        s.neighbors.push_back(e[1]);
+        ++s.firstNeighbor[static_cast<std::size_t>(e[0]) + 1];
+    }
+    for (std::size_t i = 1; i < s.firstNeighbor.size(); ++i) s.firstNeighbor[i] += s.firstNeighbor[i - 1];
+}
+
 bool fits(const TriangleMesh& body, const std::vector<JointFace>& faces, const ElementResponse& response,
           std::span<const std::int32_t> blocks) {
     const auto vertices = body.vertices.rows();
@@ -264,6 +278,7 @@ Result<std::shared_ptr<BendWarpTables>> BendWarpTables::buildWhole(const Triangl
         }
     for (auto& t : s.surface)
         for (auto& v : t) v = index[v];
+    findNeighbors(s);
     for (auto& t : triangles)
         for (auto& v : t.v) v = index[v];
     s.triangles = batchesOf(triangles);

@@ -50,6 +50,7 @@ struct BendWarpTables {
     Vectors rest;
     std::vector<WarpBatch> triangles;              // that count
     std::vector<std::array<std::int32_t, 3>> surface;  // all
+    std::vector<std::int32_t> neighbors, firstNeighbor;  // of vertex i along the surface, each once: neighbors[firstNeighbor[i]] up to neighbors[firstNeighbor[i + 1]]
     std::vector<float> inflation;                      // per vertex, 0...1
     SparseFactor factor;
     struct Shell {
