@@ -12,7 +12,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kMostFrames = 10'000;  // that become one line of a script: a few minutes
-constexpr std::size_t kMostInputs = 50'000;  // of that line: some megabytes
+constexpr std::size_t kMostInputs = 5'000;   // of that line: half a megabyte, which is made into a line between two steps
 
 bool records(const Json& line, const char* action) { return line["do"] == "record" && line["action"] == action; }
 
@@ -58,42 +58,43 @@ std::string countText(int count, const char* none, const char* verb) {
 static_assert(std::is_nothrow_move_constructible_v<Document> && std::is_nothrow_move_assignable_v<Document>, "taking back moves documents");
 
 DocumentHistory::DocumentHistory() {
-    firstLines_ = textOf(Json{{"do", "new"}});
+    firstLines_ = ScriptLines(textOf(Json{{"do", "new"}}));
     scriptBytes_ = firstLines_.size();
 }
 
 void DocumentHistory::commit(Step step, const Document& before, const Json& line) {
-    const Lines lines = kept(textOf(line));
+    std::string text = kept(textOf(line));
+    const std::size_t bytes = text.size();
     if (gesture_) {
-        gesture_->lines += lines;
-        scriptBytes_ += lines.size();
+        gesture_->lines.add(std::move(text));
+        scriptBytes_ += bytes;
         gesture_->step = std::move(step);
     } else {
-        Entry entry = entryOf(before, document_, lines);
+        Entry entry = entryOf(before, document_, ScriptLines(std::move(text)));
         makeRoom(1);
-        scriptBytes_ += lines.size();
+        scriptBytes_ += bytes;
         push(std::move(step), std::move(entry));
     }
 }
 
 void DocumentHistory::addStep(Step step, Document after, const std::vector<Json>& lines) {
     flushFrames();
-    Lines added;
-    for (const Json& line : lines) added += textOf(line);
-    added = kept(std::move(added));
+    std::string text;
+    for (const Json& line : lines) text += textOf(line);
+    ScriptLines added(kept(std::move(text)));
     const std::size_t bytes = added.size();
     std::optional<Gesture> rest;
     std::optional<Entry> until;
     const bool empty = gesture_ && gesture_->step.name.empty();
     if (gesture_) {
         rest = Gesture{after, {}, {}, {}, false};
-        if (Lines* last = empty ? lastLines(false) : nullptr) last->reserve(last->size() + gesture_->lines.size());
+        if (ScriptLines* last = empty ? lastLines(false) : nullptr) last->makeRoom(gesture_->lines.parts().size());
         if (!empty) until = entryOf(gesture_->before, document_, {});
     }
     Entry entry = entryOf(document_, after, std::move(added));
     makeRoom(2);
     // From here on nothing fails.
-    if (Lines* last = empty ? lastLines(false) : nullptr) *last += gesture_->lines;
+    if (ScriptLines* last = empty ? lastLines(false) : nullptr) last->add(std::move(gesture_->lines));
     if (until) {
         until->lines = std::move(gesture_->lines);
         push(std::move(gesture_->step), std::move(*until));
@@ -104,7 +105,7 @@ void DocumentHistory::addStep(Step step, Document after, const std::vector<Json>
     push(std::move(step), std::move(entry));
 }
 
-DocumentHistory::Entry DocumentHistory::entryOf(const Document& before, const Document& after, Lines lines) {
+DocumentHistory::Entry DocumentHistory::entryOf(const Document& before, const Document& after, ScriptLines lines) {
     DocumentChange change = difference(before, after);
     // The pose goes on changing as frames pass; undo leads back to the one of before.
     if (!change.pose && (!change.goals.empty() || movesJointPoints(change, after))) change.pose = before.pose;
@@ -146,9 +147,10 @@ void DocumentHistory::dropOldest() {
     // Steps that can be redone are newer, but nothing leads there without those before: undone ones stay until something else is done.
     const int gone = std::min(static_cast<int>(entries_.size()) - depth_, position_);
     if (gone <= 0) return;
-    Lines lines;
-    for (int i = 0; i < gone; ++i) lines += entries_[static_cast<std::size_t>(i)].lines;
-    firstLines_ += lines;
+    std::size_t parts = 0;
+    for (int i = 0; i < gone; ++i) parts += entries_[static_cast<std::size_t>(i)].lines.parts().size();
+    firstLines_.makeRoom(parts);
+    for (int i = 0; i < gone; ++i) firstLines_.add(std::move(entries_[static_cast<std::size_t>(i)].lines));
     entries_.erase(entries_.begin(), entries_.begin() + gone);
     steps_.erase(steps_.begin(), steps_.begin() + gone);
     position_ -= gone;
@@ -198,7 +200,7 @@ bool DocumentHistory::endGesture(Step named) {
     if (!gesture_) return false;
     flushFrames();
     if (gesture_->step.name.empty()) {
-        if (Lines* last = lastLines(false)) *last += gesture_->lines;
+        if (ScriptLines* last = lastLines(false)) last->add(std::move(gesture_->lines));
         gesture_.reset();
         return false;
     }
@@ -226,7 +228,7 @@ bool DocumentHistory::modified() const { return position_ != savedPosition_ || (
 
 void DocumentHistory::markSaved(std::filesystem::path path) {
     if (!scriptFrom_) {
-        firstLines_ = textOf(Json{{"do", "open"}, {"path", path.string()}});
+        firstLines_ = ScriptLines(textOf(Json{{"do", "open"}, {"path", path.string()}}));
         scriptBytes_ = firstLines_.size();
         scriptFrom_ = position_;
     }
@@ -235,7 +237,7 @@ void DocumentHistory::markSaved(std::filesystem::path path) {
 }
 
 void DocumentHistory::replace(Document document, std::filesystem::path path, bool saved, const Json& line) {
-    firstLines_ = textOf(line);
+    firstLines_ = ScriptLines(textOf(line));
     scriptBytes_ = firstLines_.size();
     scriptFrom_ = 0;
     document_ = std::move(document);
@@ -250,15 +252,16 @@ void DocumentHistory::replace(Document document, std::filesystem::path path, boo
 
 void DocumentHistory::note(const Json& line) { noteText(textOf(line)); }
 
-void DocumentHistory::noteText(Lines text) {
-    const Lines lines = kept(std::move(text));
-    Lines* last = lastLines(gesture_.has_value());
+void DocumentHistory::noteText(std::string text) {
+    text = kept(std::move(text));
+    ScriptLines* last = lastLines(gesture_.has_value());
     if (!last) return;
-    *last += lines;
-    scriptBytes_ += lines.size();
+    const std::size_t bytes = text.size();
+    last->add(std::move(text));
+    scriptBytes_ += bytes;
 }
 
-DocumentHistory::Lines* DocumentHistory::lastLines(bool ofGesture) {
+ScriptLines* DocumentHistory::lastLines(bool ofGesture) {
     if (!scriptFrom_) return nullptr;
     if (ofGesture) return &gesture_->lines;
     if (position_ < *scriptFrom_) dropLines();
@@ -266,9 +269,9 @@ DocumentHistory::Lines* DocumentHistory::lastLines(bool ofGesture) {
     return position_ > *scriptFrom_ ? &entries_[static_cast<std::size_t>(position_ - 1)].lines : &firstLines_;
 }
 
-DocumentHistory::Lines DocumentHistory::kept(Lines lines) {
+std::string DocumentHistory::kept(std::string lines) {
     if (scriptFrom_ && scriptBytes_ + lines.size() > mostScriptBytes_) dropLines();
-    return scriptFrom_ ? std::move(lines) : Lines();
+    return scriptFrom_ ? std::move(lines) : std::string();
 }
 
 void DocumentHistory::setScriptBytes(std::size_t bytes) {
@@ -307,7 +310,7 @@ void DocumentHistory::flushFrames() {
     const std::vector<double>& frames = passed_.frames;
     if (!frames.empty()) {
         const bool even = std::all_of(frames.begin(), frames.end(), [&](double dt) { return dt == frames[0]; });
-        Lines line = textOf({{"do", "step"}, {"frames", frames.size()}, {"dt", even ? Json(frames[0]) : Json(frames)}});
+        std::string line = textOf({{"do", "step"}, {"frames", frames.size()}, {"dt", even ? Json(frames[0]) : Json(frames)}});
         // Values of so many would take a performance a tenth of a second.
         if (passed_.count > 0) line.replace(line.size() - 2, 1, ",\"inputs\":[" + passed_.inputs.substr(1) + "]}");
         noteText(std::move(line));
@@ -317,9 +320,11 @@ void DocumentHistory::flushFrames() {
 
 std::vector<Json> DocumentHistory::script() const {
     std::vector<Json> all;
-    const auto add = [&all](const Lines& lines) {
-        std::istringstream text(lines);
-        for (std::string line; std::getline(text, line);) all.push_back(Json::parse(line));
+    const auto add = [&all](const ScriptLines& lines) {
+        for (const std::string& part : lines.parts()) {
+            std::istringstream text(part);
+            for (std::string line; std::getline(text, line);) all.push_back(Json::parse(line));
+        }
     };
     add(firstLines_);
     for (int i = scriptFrom_.value_or(0); i < position_; ++i) add(entries_[static_cast<std::size_t>(i)].lines);

@@ -12,6 +12,7 @@
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/document/document_change.h"
+#include "core/document/script_lines.h"
 
 namespace imomushi {
 
@@ -90,30 +91,28 @@ public:
     void setScriptBytes(std::size_t bytes);
 
 private:
-    /// Lines of the script as text, each with its end: hours of dragging are some ten times smaller so than as values.
-    using Lines = std::string;
     /// A step and the exchange that undoes and redoes it.
     struct Entry {
         DocumentChange change;
-        Lines lines;
+        ScriptLines lines;
     };
     struct Gesture {
         Document before;
-        Lines lines;
+        ScriptLines lines;
         Step step;  ///< without a name: nothing was committed
         std::set<MorphRef> morphs;  ///< that pass on
         bool effects = false;
     };
     /// A step that led from one document to the other.
-    [[nodiscard]] static Entry entryOf(const Document& before, const Document& after, Lines lines);
+    [[nodiscard]] static Entry entryOf(const Document& before, const Document& after, ScriptLines lines);
     /// For this many steps that are pushed next.
     void makeRoom(std::size_t steps);
     void push(Step&& step, Entry&& entry) noexcept;
     /// Where lines of the script are added: to the gesture, or to what was done last. Null: there is no script.
-    [[nodiscard]] Lines* lastLines(bool ofGesture);
+    [[nodiscard]] ScriptLines* lastLines(bool ofGesture);
     /// What is kept of lines that are about to be added.
-    [[nodiscard]] Lines kept(Lines lines);
-    void noteText(Lines text);
+    [[nodiscard]] std::string kept(std::string lines);
+    void noteText(std::string text);
     void dropLines();
     void dropOldest();
     /// Undoes entries [first, last) or redoes them.
@@ -123,7 +122,7 @@ private:
     std::filesystem::path path_;
     std::vector<Entry> entries_;
     std::vector<Step> steps_;        // of entries_
-    Lines firstLines_;               // before the first entry: "new" or "open", notes, and steps that are not kept any more
+    ScriptLines firstLines_;         // before the first entry: "new" or "open", notes, and steps that are not kept any more
     int depth_ = kDepth;
     int position_ = 0;
     int savedPosition_ = 0;          // -1: no number of undos or redos leads back to the saved state
