@@ -153,6 +153,7 @@ void CalibrationBar::retranslate() {
     measure_->setMinimumHeight(measure_->minimumSizeHint().height());  // letters of another language may be higher
     measure_->setToolTip(tr("Counts down from three, and measures what the source says for half a second."));
     cancel_->setText(tr("Cancel"));
+    cancel_->setShortcut(Qt::Key_Escape);  // after the text, which sets one, too
     close_->setToolTip(tr("Close"));
     close_->setAccessibleName(tr("Close"));
     fillPoses();
