@@ -183,6 +183,13 @@
                 <numerusform>Wrote %n files from %1 on, %2</numerusform>
             </translation>
         </message>
+        <message numerus="yes">
+            <source>Read back and compared in %n frame(s): off by %1 of the diagonal at most</source>
+            <translation>
+                <numerusform>Read back and compared in %n frame: off by %1 of the diagonal at most</numerusform>
+                <numerusform>Read back and compared in %n frames: off by %1 of the diagonal at most</numerusform>
+            </translation>
+        </message>
     </context>
     <context>
         <name>imomushi::TakeModel</name>

@@ -6112,9 +6112,11 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
                 <numerusform>%1 から %n 個のファイルを書き出しました（%2）</numerusform>
             </translation>
         </message>
-        <message>
-            <source>Read back and compared: largest deviation %1 of the diagonal</source>
-            <translation>読み戻して比較：最大のずれは対角線の %1</translation>
+        <message numerus="yes">
+            <source>Read back and compared in %n frame(s): off by %1 of the diagonal at most</source>
+            <translation>
+                <numerusform>読み戻して %n フレームで比較：ずれは最大で対角線の %1</numerusform>
+            </translation>
         </message>
         <message>
             <source>Written as the mesh of its file: %1</source>

@@ -642,7 +642,7 @@ TEST_CASE("live: a source is calibrated by a button and a countdown, in rest and
     CHECK(calibrator->state() == SourceCalibrator::State::Idle);
     w.click("measurePose");
     CHECK(calibrator->state() == SourceCalibrator::State::Counting);
-    QTest::keyClick(&w.window(), Qt::Key_Escape);
+    QTest::keyClick(&w.view(), Qt::Key_Escape);
     CHECK(calibrator->state() == SourceCalibrator::State::Idle);
     CHECK(!w.part<QLabel>("countdown").isVisible());
     CHECK(!calibrationOf(w.now(), "vmc"));

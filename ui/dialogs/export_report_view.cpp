@@ -8,6 +8,7 @@
 #include <QPushButton>
 #include <QUrl>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <cmath>
 
 #include "ui/models/effect_texts.h"
@@ -112,8 +113,11 @@ void ExportReportView::showAnswer(const Json& answer) {
     const int files = answer.at("files").get<int>();
     const QString name = QFileInfo(written_).fileName(), bytes = bytesText(answer.at("bytes").get<double>());
     begin(files == 1 ? tr("Wrote %1, %2").arg(name, bytes) : tr("Wrote %n file(s) from %1 on, %2", nullptr, files).arg(name, bytes));
-    const bool same = answer.at("check").at("max_percent").get<double>() / 100.0 <= kSame;
-    add(same ? "check" : "info", same ? Role::Good : Role::Info, tr("Read back and compared: largest deviation %1 of the diagonal").arg(largest(answer.at("check"))));
+    const Json& check = answer.at("check");
+    const bool same = check.at("max_percent").get<double>() / 100.0 <= kSame;
+    // Other lines are of other frames, and may say more.
+    const int frames = std::max(1, check.at("frames").get<int>());
+    add(same ? "check" : "info", same ? Role::Good : Role::Info, tr("Read back and compared in %n frame(s): off by %1 of the diagonal at most", nullptr, frames).arg(largest(check)));
     QStringList characters;
     for (const Json& told : answer.at("written"))
         if (told.contains("character")) characters << QString::fromStdString(told["character"].get<std::string>());

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/panels/live/calibration_bar.h"
 
+#include <QApplication>
 #include <QComboBox>
 #include <QEvent>
 #include <QHBoxLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QPushButton>
 #include <QSignalBlocker>
@@ -91,6 +93,7 @@ void CalibrationBar::close() {
     if (!isOpen()) return;
     source_.clear();
     calibrator_.cancel();
+    qApp->removeEventFilter(this);
     hide();
     Q_EMIT opened(false);
 }
@@ -116,6 +119,8 @@ void CalibrationBar::follow() {
     const bool idle = calibrator_.state() == SourceCalibrator::State::Idle || calibrator_.source() != source_;
     choosing_->setVisible(idle);
     counting_->setVisible(!idle);
+    qApp->removeEventFilter(this);
+    if (!idle) qApp->installEventFilter(this);
     const auto poses = calibrator_.posesOf(source_);
     for (std::size_t i = 0; i < taken_.size(); ++i) {
         Taken& taken = taken_[i];
@@ -153,10 +158,20 @@ void CalibrationBar::retranslate() {
     measure_->setMinimumHeight(measure_->minimumSizeHint().height());  // letters of another language may be higher
     measure_->setToolTip(tr("Counts down from three, and measures what the source says for half a second."));
     cancel_->setText(tr("Cancel"));
-    cancel_->setShortcut(Qt::Key_Escape);  // after the text, which sets one, too
     close_->setToolTip(tr("Close"));
     close_->setAccessibleName(tr("Close"));
     fillPoses();
+}
+
+// Escape stops the countdown, wherever the focus is.
+bool CalibrationBar::eventFilter(QObject* watched, QEvent* event) {
+    if (event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress)
+        if (const auto* key = static_cast<const QKeyEvent*>(event); key->key() == Qt::Key_Escape && key->modifiers() == Qt::NoModifier && isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget()) {
+            if (event->type() == QEvent::KeyPress) calibrator_.cancel();
+            event->accept();
+            return true;
+        }
+    return QFrame::eventFilter(watched, event);
 }
 
 void CalibrationBar::changeEvent(QEvent* event) {
