@@ -2,6 +2,7 @@
 #include "core/effects/ground_job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/character/frame.h"
@@ -13,6 +14,10 @@ namespace {
 
 // Sizes of an element: the ground begins to carry flesh that is as near.
 constexpr double kNear = 0.1;
+// The same: what is as low lies on the ground.
+constexpr double kTouches = 0.01;
+// Softer landings are none.
+constexpr double kSoft = 0.05;
 
 /// What moves a place of an element at rest: the nearer end of its nearest bone. Where that end is no joint of an element that has several (the end of a spine between two hips), no flesh
 /// goes where it goes: then it is the nearest joint.
@@ -52,11 +57,14 @@ Result<void> GroundEffect::addJob(Frame& frame, FrameJobs& jobs) const {
 GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJob(settings, {{Stage::Placed, FrameData::JointMaps | FrameData::Elements | FrameData::Parameters | FrameData::Loads | FrameData::FaceOffsets | FrameData::Local | FrameData::Forces | FrameData::Positions, FrameData::Ground}}) {
     std::vector<std::pair<std::size_t, std::size_t>> placeOf;  // element and its chosen, in the order of flesh_ before it is sorted
     std::vector<FleshPoint> flesh;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (std::size_t e = 0; e < frame.elements.size(); ++e) {
         const auto& of = frame.elements[e];
         const auto& runtime = *of.runtime;
         const auto& given = runtime.input;
         const Points& body = given.mesh->body.vertices;
+        low = low.cwiseMin(body.colwise().minCoeff().transpose());
+        high = high.cwiseMax(body.colwise().maxCoeff().transpose());
         std::vector<char> hidden(runtime.vertices, 0);
         for (const auto& h : runtime.hidden) hidden[static_cast<std::size_t>(h.vertex)] = 1;
         // Around each joint point by itself.
@@ -103,6 +111,7 @@ GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJ
     }
     for (const Element& e : elements_) depths_.push_back({flesh_[e.chosen.front().flesh].point, 0.0});
     at_.assign(flesh_.size(), Vec3::Zero());
+    size_ = frame.elements.empty() ? 0.0 : (high - low).norm();
 }
 
 bool GroundJob::take(const GroundEffect&) {
@@ -113,13 +122,30 @@ bool GroundJob::take(const GroundEffect&) {
 void GroundJob::run(Stage, Frame& frame) {
     if (frame.replaying) {
         measured_ = false;
+        landing_ = 0.0;
         return;
+    }
+    if (!frame.again) {
+        seconds_ = measured_ ? frame.seconds : 0.0;
+        for (Element& e : elements_) e.before = e.height;
     }
     frame.up = settings().plane().normal();
     for (std::size_t i = 0; i < elements_.size(); ++i)
         if (!measured_ || frame.elements[elements_[i].index].moved) measure(elements_[i], depths_[i].depth, frame);
     measured_ = true;
+    findLanding(frame);
     for (std::size_t i = 0; i < flesh_.size(); ++i) flesh_[i].offset = at_[i] - frame.pose.points[static_cast<std::size_t>(flesh_[i].point)];
+}
+
+void GroundJob::findLanding(const Frame& frame) {
+    landing_ = 0.0;
+    if (!(seconds_ > 0.0) || !(size_ > 0.0)) return;
+    double fastest = 0.0;  // m/s
+    for (const Element& e : elements_)
+        if (const double touches = kTouches * frame.elements[e.index].runtime->size; e.before.lowest > touches && e.height.lowest <= touches) fastest = std::max(fastest, (e.before.middle - e.height.middle) / seconds_);
+    constexpr double kGravity = 9.81;
+    const double part = std::min(1.0, fastest / std::sqrt(kGravity * size_));
+    if (part >= kSoft) landing_ = part;
 }
 
 void GroundJob::measure(Element& element, double& depth, Frame& frame) {
@@ -129,9 +155,11 @@ void GroundJob::measure(Element& element, double& depth, Frame& frame) {
     // Far above, all of it is. How far a warped one reaches nobody knows before.
     of.aloft = 1.0;
     const Plane plane = settings().plane();
-    if (!warped && plane.height(of.frame(runtime.middle)) > (0.5 + kNear) * runtime.size + of.weights().cwiseAbs().dot(runtime.columnSize)) {
+    element.height.middle = plane.height(of.frame(runtime.middle));
+    if (!warped && element.height.middle > (0.5 + kNear) * runtime.size + of.weights().cwiseAbs().dot(runtime.columnSize)) {
         for (const Chosen& c : element.chosen) at_[c.flesh] = of.frame(c.rest);
         depth = 0.0;
+        element.height.lowest = kNear * runtime.size;
         return;
     }
     if (!warped) {
@@ -156,6 +184,7 @@ void GroundJob::measure(Element& element, double& depth, Frame& frame) {
             lowest = std::min(lowest, plane.height(Eigen::Map<const Eigen::Vector3f>(of.positions.data() + 3 * v).cast<double>()));
     }
     depth = -lowest;
+    element.height.lowest = lowest;
 }
 
 std::size_t GroundJob::bytes() const {

@@ -49,6 +49,8 @@ public:
     [[nodiscard]] std::span<const FleshPoint> flesh() const { return flesh_; }
     /// The same, by element.
     [[nodiscard]] std::span<const FleshDepth> depths() const { return depths_; }
+    /// How hard an element landed in the last frame that took time: 1 as fast as what falls from half the size of the character, or faster; 0: none did, or softly.
+    [[nodiscard]] double landing() const { return landing_; }
 
     static constexpr std::size_t kPerPoint = 128;  ///< vertices of an element around one joint point, at most
 
@@ -65,15 +67,23 @@ private:
         std::vector<Chosen> chosen;
         Eigen::MatrixXf rows;      // 3 x free chosen, by weights: m
         Eigen::VectorXf weights, moved;
+        // m above the plane: its lowest vertex, at least, and its middle; in this frame and in the one before.
+        struct Height {
+            double lowest = 0.0, middle = 0.0;
+        } height, before;
     };
     bool take(const GroundEffect&) override;
     void measure(Element& element, double& depth, Frame& frame);
+    void findLanding(const Frame& frame);
 
     std::vector<Element> elements_;
     std::vector<FleshPoint> flesh_;
     std::vector<FleshDepth> depths_;  // of elements_
     std::vector<Vec3> at_;   // of flesh_, m, world
     bool measured_ = false;  // all of it, as it was shown last
+    double size_ = 0.0;      // m, of the character at rest
+    double seconds_ = 0.0;   // of the frame that is shown, also while it is corrected
+    double landing_ = 0.0;
 };
 
 /// Flesh that the ground may meet, as of the last update(). Empty without that effect.
@@ -84,6 +94,10 @@ inline std::span<const FleshPoint> groundFlesh(const Character& character) {
 inline std::span<const FleshDepth> groundDepths(const Character& character) {
     const GroundJob* ground = character.job<GroundJob>();
     return ground ? ground->depths() : std::span<const FleshDepth>();
+}
+inline double groundLanding(const Character& character) {
+    const GroundJob* ground = character.job<GroundJob>();
+    return ground ? ground->landing() : 0.0;
 }
 
 }  // namespace imomushi

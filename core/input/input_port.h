@@ -23,6 +23,8 @@ public:
     virtual bool answer(std::span<const std::byte>) { return false; }
     /// Name of the device that is heard now; empty: none is plugged in, or this is none.
     [[nodiscard]] virtual std::string device() const { return {}; }
+    /// Lets whoever holds the device feel something for a moment: 1 is as strong as it can, 0 nothing. Those that cannot do not.
+    virtual void shake(double) {}
     /// A file descriptor that is readable while a packet waits; -1: there is none, take() must be polled.
     [[nodiscard]] virtual int descriptor() const { return -1; }
 

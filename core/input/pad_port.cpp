@@ -24,6 +24,7 @@ using Record = std::array<std::byte, PadPacket::kBytes>;
 constexpr std::size_t kMostWaiting = 4096;
 /// One stick says two numbers: a packet has fewer values than a decoder takes.
 constexpr std::size_t kMostRecords = 256;
+constexpr Uint32 kShakeMs = 120;
 
 PadId padAt(int index) {
     PadId id;
@@ -96,6 +97,11 @@ public:
         if (count == 0) return std::nullopt;
         for (std::size_t i = 0; i < count; ++i, pad.waiting.pop_front()) std::ranges::copy(pad.waiting.front(), room.begin() + static_cast<std::ptrdiff_t>(i * PadPacket::kBytes));
         return count * PadPacket::kBytes;
+    }
+    void shake(const Pad& pad, double strength) {
+        const Locked locked(*this);
+        const auto motor = static_cast<Uint16>(65535.0 * std::clamp(strength, 0.0, 1.0));
+        if (pad.controller) (void)SDL_GameControllerRumble(pad.controller, motor, motor, kShakeMs);
     }
     std::string nameOf(const Pad& pad) {
         const Locked locked(*this);
@@ -183,6 +189,7 @@ PadPort::PadPort(std::shared_ptr<Hub> hub, std::string_view wanted) : hub_(std::
 PadPort::~PadPort() { hub_->remove(*pad_); }
 
 std::optional<std::size_t> PadPort::take(std::span<std::byte> room) { return hub_->take(*pad_, room); }
+void PadPort::shake(double strength) { hub_->shake(*pad_, strength); }
 std::string PadPort::device() const { return hub_->nameOf(*pad_); }
 
 std::vector<PadId> pluggedPads() {

@@ -24,6 +24,7 @@ public:
     /// All that the pad has said since, as one packet, so that both axes of a stick come together.
     std::optional<std::size_t> take(std::span<std::byte> room) override;
     [[nodiscard]] std::string device() const override;
+    void shake(double strength) override;
 
 private:
     class Hub;

@@ -141,7 +141,9 @@ void HearingThread::serve() {
         listener_.hear(start_, InputListener::Clock::now() + kSlice, [this] { return over_.load(); },
                        [this](std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes) { take(source, nanoseconds, bytes); });
         const std::lock_guard lock(mutex_);
+        const double felt = feed_ ? feed_->takeFelt() : 0.0;
         for (std::size_t i = 0; i < sources_.size(); ++i) {
+            if (felt > 0.0) listener_.ports()[i]->shake(felt);
             sources_[i].tooLong = listener_.tooLong(i);
             sources_[i].device = listener_.ports()[i]->device();
         }

@@ -88,6 +88,11 @@ InputTime InputFeed::step(double seconds, double slept, LiveCharacter& live) {
     return first;
 }
 
+void InputFeed::feel(double strength) {
+    const auto wanted = static_cast<float>(strength);
+    for (float felt = felt_.load(std::memory_order_relaxed); wanted > felt && !felt_.compare_exchange_weak(felt, wanted, std::memory_order_relaxed);) {}
+}
+
 std::optional<LiveInput> InputFeed::takeRefused() {
     const LiveInput* refused = refused_.front();
     if (!refused) return std::nullopt;

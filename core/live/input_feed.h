@@ -29,12 +29,16 @@ public:
     // ---- the hearing thread, and whoever it lets speak
     /// The values of a packet, which one step takes whole. False: there is no room, as nobody steps; the packet is lost.
     bool give(std::span<const InputValue> packet);
+    /// The strongest that was to be felt since the last call; 0: nothing.
+    double takeFelt() { return felt_.exchange(0.0F, std::memory_order_relaxed); }
     /// The oldest step that was not asked for yet: how many packets the driver had by then. None: all were asked for.
     std::optional<std::uint64_t> takeStep();
 
     // ---- the stepping thread
     /// Before a step of so many seconds, after so many more in which no step was made. Answers when the first came of what it takes.
     InputTime step(double seconds, double slept, LiveCharacter& live);
+    /// After a step: what devices that are heard let be felt, 0 to 1 (LiveCharacter::landing()).
+    void feel(double strength);
     /// For how many seconds from the last step on it has nothing to say, if nothing is given or told meanwhile; 0: it has.
     [[nodiscard]] double rests() const;
 
@@ -76,6 +80,7 @@ private:
     std::function<void()> wake_;
     InputDriver driver_;
     TripleBuffer<std::vector<InputMeter>> meters_;
+    std::atomic<float> felt_{0.0F};
     std::atomic<bool> letsGo_{false};
     std::atomic<bool> forgets_{false};
     SpscQueue<Heard, kValues> values_;

@@ -143,6 +143,8 @@ public:
     void bringPassed(const PassedTime& passed);
     /// Flesh of two elements has met since beginPerforming().
     [[nodiscard]] bool hasMet() const { return met_; }
+    /// See GroundJob::landing(); of the last step.
+    [[nodiscard]] double landing() const;
     /// The document of the history becomes what the copy is, without a step. Does nothing unless it was begun.
     void endPerforming() noexcept;
     /// Milliseconds that an effect took in the last frame; none: the frame did without it.

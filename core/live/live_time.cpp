@@ -333,6 +333,8 @@ unsigned LiveCharacter::warnings() const {
     return character_->stats().warnings | (held ? static_cast<unsigned>(FrameWarning::HeldByGround) : 0u);
 }
 
+double LiveCharacter::landing() const { return character_ ? groundLanding(*character_) : 0.0; }
+
 bool LiveCharacter::droppedTime() const { return performance_ && (performance_->warnings() & static_cast<unsigned>(DynamicsWarning::TimeDropped)) != 0; }
 
 std::vector<std::string> LiveCharacter::warningTexts(unsigned warnings) const {

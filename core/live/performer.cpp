@@ -33,6 +33,7 @@ double Performer::step(double seconds, double slept) {
         }
         if (feed_) came = firstOf(came, feed_->step(seconds, slept, live_));
         live_.advance(seconds);
+        if (feed_) feed_->feel(live_.landing());
         ++steps_;
         if (unseen_.came == 0 || taken_.load(std::memory_order_relaxed) >= unseen_.step) unseen_ = {came, steps_};
         PerformedFrame& frame = frames_.back();

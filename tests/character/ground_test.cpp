@@ -126,6 +126,43 @@ TEST_CASE("ground: flesh that is warped and stretched into it is seen in it, how
     }
 }
 
+TEST_CASE("ground: a landing is as hard as it is fast, at any rate, and what lies, slides or rises does not land") {
+    for (const double rate : {60.0, 240.0}) {
+        CAPTURE(rate);
+        CharacterInput input = caterpillar::make({});
+        Vec3 low = Vec3::Constant(1e30), high = -low;
+        for (const auto& element : input.elements) {
+            low = low.cwiseMin(element.mesh->body.vertices.colwise().minCoeff().transpose());
+            high = high.cwiseMax(element.mesh->body.vertices.colwise().maxCoeff().transpose());
+        }
+        const double size = (high - low).norm(), whole = std::sqrt(9.81 * size);
+        GroundEffect ground;
+        ground.height = low.y() - 0.2 * size;
+        input.effects.set(ground);
+        auto c = Character::build(input).value();
+        Pose pose = restPose(input.skeleton);
+        double height = 0.2 * size;
+        const auto frame = [&](double speed, double aside = 0.0) {
+            for (Vec3& p : pose.points) p += Vec3(aside, speed, 0.0) / rate;
+            height += speed / rate;
+            c.update(pose, 1.0 / rate);
+            return groundLanding(c);
+        };
+        CHECK(frame(0.0) == 0.0);
+        for (const double part : {0.1, 0.5, 3.0}) {
+            CAPTURE(part);
+            double hardest = 0.0;
+            while (height > 0.0) hardest = std::max(hardest, frame(-part * whole));
+            CHECK(hardest == doctest::Approx(std::min(1.0, part)).epsilon(1e-3));
+            CHECK(frame(0.0) == 0.0);
+            CHECK(frame(0.0, 0.5 * whole) == 0.0);
+            while (height < 0.2 * size) CHECK(frame(whole) == 0.0);
+        }
+        // So slowly that nobody would feel it.
+        while (height > 0.0) CHECK(frame(-0.03 * whole) == 0.0);
+    }
+}
+
 TEST_CASE("ground: where a whole character is shifted out of it, flesh of any kind moves as far as its bones do") {
     std::mt19937 random(5);
     for (int kind = 0; kind < 32; ++kind) {

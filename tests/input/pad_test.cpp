@@ -68,6 +68,13 @@ TEST_CASE("pad: a port waits for its pad, hears it when it is plugged in, says w
     CHECK(pluggedDevices(InputProtocol::Pad).size() == 1);
     CHECK(pluggedDevices(InputProtocol::Pad)[0].name == VirtualPad::kName);
     CHECK(heardFrom(*port).empty());  // that it is there moves nothing
+    port->shake(0.5);
+    CHECK(pad.rumble() == doctest::Approx(65535 / 2).epsilon(0.01));
+    port->shake(7.0);
+    CHECK(pad.rumble() == 65535);
+    const auto shaken = std::chrono::steady_clock::now();
+    while (pad.rumble() > 0 && std::chrono::steady_clock::now() - shaken < std::chrono::seconds(10)) (void)heardFrom(*port);
+    CHECK(pad.rumble() == 0);  // a moment later
     CHECK(port->device() == VirtualPad::kName);
     pad.axis(SDL_CONTROLLER_AXIS_LEFTX, 20000);
     pad.axis(SDL_CONTROLLER_AXIS_TRIGGERRIGHT, 32767);

@@ -219,6 +219,12 @@ TEST_CASE("hearing: a pad is heard while it is plugged in, moves what is mapped,
     }
     CHECK(waited([&] { return feed->takeMeters() && feed->meters()[2].drives && feed->meters()[2].raw > 0.9; }));
     CHECK(thread.heard("pad")->senders == 1);
+    // What a step lets be felt is felt.
+    CHECK(pad.shaken() == 0);
+    feed->feel(0.25);
+    feed->feel(0.5);
+    CHECK(waited([&] { return pad.shaken() > 0; }));
+    CHECK(feed->takeFelt() == 0.0);
     CHECK(waited([&] { return thread.learned() && thread.learned()->settled; }));
     CHECK(thread.learned()->channel == "left-y");
     CHECK(thread.learned()->source == "pad");

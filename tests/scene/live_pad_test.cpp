@@ -80,3 +80,20 @@ TEST_CASE("live: a pad that is plugged in and out moves the caterpillar; what wa
     CHECK(performed[4]["value"][1].get<double>() > rest[1]["value"][1].get<double>() + 0.1);
     std::filesystem::remove_all(folder());
 }
+
+TEST_CASE("live: a pad shakes when the caterpillar falls on the ground, and only then") {
+    VirtualPad pad;
+    const auto perform = [&](double height) {
+        std::vector<Json> lines{{{"do", "open"}, {"path", IMOMUSHI_SAMPLES "/caterpillar.imomushi"}}, {{"do", "unpin"}, {"endpoint", "tail-bone/start"}}};
+        for (const char* effect : {"gravity", "ground"}) lines.push_back({{"do", "enable"}, {"effect", effect}});
+        lines.push_back({{"do", "set"}, {"target", "ground"}, {"property", "height"}, {"value", height}});
+        lines.push_back({{"do", "map-input"}, {"source", "pad"}, {"channel", "left-x"}, {"target", "bone/head-bone/end/x"}});
+        lines.push_back({{"do", "live"}, {"seconds", 1.0}, {"sources", Json::array({{{"protocol", "pad"}}})}});
+        (void)answersOf(lines);
+    };
+    perform(-50.0);
+    CHECK(pad.shaken() == 0);
+    perform(-0.5);
+    CHECK(pad.shaken() > 0);
+    CHECK(pad.shaken() < 10);
+}

@@ -5,6 +5,7 @@
 #include <SDL.h>
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <string>
 
 namespace imomushi {
@@ -26,7 +27,18 @@ public:
     VirtualPad(const VirtualPad&) = delete;
     VirtualPad& operator=(const VirtualPad&) = delete;
     void plug() {
-        const int index = SDL_JoystickAttachVirtual(SDL_JOYSTICK_TYPE_GAMECONTROLLER, SDL_CONTROLLER_AXIS_MAX, SDL_CONTROLLER_BUTTON_MAX, 0);
+        SDL_VirtualJoystickDesc made{};
+        made.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
+        made.type = SDL_JOYSTICK_TYPE_GAMECONTROLLER;
+        made.naxes = SDL_CONTROLLER_AXIS_MAX;
+        made.nbuttons = SDL_CONTROLLER_BUTTON_MAX;
+        made.userdata = this;
+        made.Rumble = [](void* self, Uint16 low, Uint16) {
+            static_cast<VirtualPad*>(self)->rumble_ = low;
+            if (low > 0) ++static_cast<VirtualPad*>(self)->shaken_;
+            return 0;
+        };
+        const int index = SDL_JoystickAttachVirtualEx(&made);
         REQUIRE(index >= 0);
         joystick_ = SDL_JoystickOpen(index);
         REQUIRE(joystick_);
@@ -44,8 +56,12 @@ public:
     void axis(int axis, int value) const { SDL_JoystickSetVirtualAxis(joystick_, axis, static_cast<Sint16>(value)); }
     void button(int button, bool down) const { SDL_JoystickSetVirtualButton(joystick_, button, down ? 1 : 0); }
 
+    [[nodiscard]] int rumble() const { return rumble_; }  ///< of its larger motor, up to 65535
+    [[nodiscard]] int shaken() const { return shaken_; }  ///< how often it was told to rumble
+
 private:
     SDL_Joystick* joystick_ = nullptr;
+    std::atomic<int> rumble_ = 0, shaken_ = 0;
 };
 
 }  // namespace imomushi
