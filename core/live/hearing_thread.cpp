@@ -140,13 +140,17 @@ void HearingThread::serve() {
     while (!over_) {
         listener_.hear(start_, InputListener::Clock::now() + kSlice, [this] { return over_.load(); },
                        [this](std::size_t source, std::int64_t nanoseconds, std::span<const std::byte> bytes) { take(source, nanoseconds, bytes); });
-        const std::lock_guard lock(mutex_);
-        const double felt = feed_ ? feed_->takeFelt() : 0.0;
-        for (std::size_t i = 0; i < sources_.size(); ++i) {
-            if (felt > 0.0) listener_.ports()[i]->shake(felt);
-            sources_[i].tooLong = listener_.tooLong(i);
-            sources_[i].device = listener_.ports()[i]->device();
+        double felt = 0.0;
+        {
+            const std::lock_guard lock(mutex_);
+            if (feed_) felt = feed_->takeFelt();
+            for (std::size_t i = 0; i < sources_.size(); ++i) {
+                sources_[i].tooLong = listener_.tooLong(i);
+                sources_[i].device = listener_.ports()[i]->device();
+            }
         }
+        if (felt > 0.0)
+            for (const auto& port : listener_.ports()) port->shake(felt);
     }
 }
 
