@@ -43,7 +43,7 @@ public:
     [[nodiscard]] const std::vector<std::string>& parts() const { return parts_; }
 
 private:
-    static constexpr std::size_t kPart = std::size_t{64} << 10;
+    static constexpr std::size_t kPart = std::size_t{1} << 20;  // so large that the system has it back at once where a script is dropped
     std::vector<std::string> parts_;
     std::size_t size_ = 0;
 };
