@@ -248,12 +248,12 @@ Result<Json> live(SessionAccess& access, const Json& arguments, const Progress& 
         const double used = processorMilliseconds();
         if (auto stepped = performance.step(progress); !stepped) return failed(stepped.error());
         processor.push_back(processorMilliseconds() - used);
-        if (const double felt = access.live.landing(); felt > 0.0)
-            for (const auto& port : listener.ports()) port->shake(felt);
         if (recording) recording->endStep();
         const Clock::time_point made = Clock::now();
         milliseconds.push_back(since(began, made));
         if (first) latency.push_back(since(*first, made));
+        if (const double felt = access.live.landing(); felt > 0.0)
+            for (const auto& port : listener.ports()) port->shake(felt);
         sending.send(access.live, static_cast<double>(performance.steps()) * stepSeconds);
     }
     auto answer = performance.end(progress);

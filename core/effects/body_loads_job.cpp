@@ -14,7 +14,6 @@ namespace {
 
 constexpr Eigen::Index kForceColumns = 3;  // the first of ElementResponse::loads
 constexpr int kPressureColumn = 3;  // of ElementResponse::loads
-constexpr double kEarth = 9.81;     // m/s^2
 constexpr double kLeastHeight = 0.1;       // a height below that part of the diagonal does not count as one
 
 }  // namespace
@@ -37,7 +36,7 @@ std::vector<double> modulusForSag(const CharacterInput& input, double sag) {
         if (!element.response || element.response->loads.cols() < kForceColumns) continue;
         const auto down = element.response->loads.col(1);
         for (Eigen::Index i = 0; i < down.size(); i += 3)
-            whole.softest = std::max(whole.softest, kEarth * CharacterInput::Element::kStandardDensity * down.segment<3>(i).norm());
+            whole.softest = std::max(whole.softest, kEarthGravity * CharacterInput::Element::kStandardDensity * down.segment<3>(i).norm());
     }
     std::vector<double> moduli;
     for (std::size_t e = 0; e < input.elements.size(); ++e) {

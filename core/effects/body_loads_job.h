@@ -14,6 +14,8 @@
 
 namespace imomushi {
 
+inline constexpr double kEarthGravity = 9.81;  ///< m/s^2
+
 struct ElementState;
 
 /// Gravity and inertia: a uniform body force, three columns after v.
@@ -21,7 +23,7 @@ struct GravityEffect : EffectOf<GravityEffect> {
     static constexpr std::string_view kName = "gravity";
     static constexpr auto kTitle = IMOMUSHI_TEXT("Effects", "Gravity and inertia");
     static constexpr auto kHelp = IMOMUSHI_TEXT("Effects", "Flesh sags under its weight and lags behind when it is moved.");
-    Vec3 acceleration = Vec3(0.0, -9.81, 0.0);  ///< of free fall, m/s^2, world
+    Vec3 acceleration = Vec3(0.0, -kEarthGravity, 0.0);  ///< of free fall, m/s^2, world
     double inertia = 1.0;                       ///< how much of its own acceleration the flesh feels
     static constexpr double kDefaultSag = 0.03;
     double sag = kDefaultSag;                   ///< of the height of a character under the gravity of the Earth, where no shear modulus is given

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "core/character/frame.h"
+#include "core/effects/body_loads_job.h"
 #include "core/effects/ground_vertices.h"
+#include "core/mesh/bounds.h"
 
 namespace imomushi {
 
@@ -63,8 +65,9 @@ GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJ
         const auto& runtime = *of.runtime;
         const auto& given = runtime.input;
         const Points& body = given.mesh->body.vertices;
-        low = low.cwiseMin(body.colwise().minCoeff().transpose());
-        high = high.cwiseMax(body.colwise().maxCoeff().transpose());
+        const Bounds box = boundsOf(body);
+        low = low.cwiseMin(box.low);
+        high = high.cwiseMax(box.high);
         std::vector<char> hidden(runtime.vertices, 0);
         for (const auto& h : runtime.hidden) hidden[static_cast<std::size_t>(h.vertex)] = 1;
         // Around each joint point by itself.
@@ -143,8 +146,7 @@ void GroundJob::findLanding(const Frame& frame) {
     double fastest = 0.0;  // m/s
     for (const Element& e : elements_)
         if (const double touches = kTouches * frame.elements[e.index].runtime->size; e.before.lowest > touches && e.height.lowest <= touches) fastest = std::max(fastest, (e.before.middle - e.height.middle) / seconds_);
-    constexpr double kGravity = 9.81;
-    const double part = std::min(1.0, fastest / std::sqrt(kGravity * size_));
+    const double part = std::min(1.0, fastest / std::sqrt(2.0 * kEarthGravity * 0.5 * size_));
     if (part >= kSoft) landing_ = part;
 }
 

@@ -16,7 +16,7 @@ namespace imomushi {
 
 namespace {
 
-/// A frame whose flesh came deep into the ground is lifted in this many rounds at most; what is left, a part of a hundred, all of the character goes up by.
+/// A frame whose flesh came deep into the ground is lifted in this many rounds at most. What is left then, about 1 % of its size, lifts the whole character.
 constexpr int kLiftsOfFrame = 2;
 
 /// Frames on another thread for which there is room from the start: a quarter of an hour at 60 Hz.

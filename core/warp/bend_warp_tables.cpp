@@ -102,6 +102,7 @@ void findNeighbors(BendWarpTables& s) {
         for (std::size_t c = 0; c < 3; ++c) edges.push_back({t[c], t[(c + 1) % 3]}), edges.push_back({t[(c + 1) % 3], t[c]});
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    s.neighbors.reserve(edges.size());
     s.firstNeighbor.assign(static_cast<std::size_t>(s.vertices) + 1, 0);
     for (const auto& e : edges) {
         s.neighbors.push_back(e[1]);

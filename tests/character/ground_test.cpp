@@ -135,7 +135,7 @@ TEST_CASE("ground: a landing is as hard as it is fast, at any rate, and what lie
             low = low.cwiseMin(element.mesh->body.vertices.colwise().minCoeff().transpose());
             high = high.cwiseMax(element.mesh->body.vertices.colwise().maxCoeff().transpose());
         }
-        const double size = (high - low).norm(), whole = std::sqrt(9.81 * size);
+        const double size = (high - low).norm(), whole = std::sqrt(9.81 * size);  // of a fall from half the size: v^2 = 2 g size / 2
         GroundEffect ground;
         ground.height = low.y() - 0.2 * size;
         input.effects.set(ground);

@@ -137,8 +137,10 @@ void checkFlooded(const std::string& sample) {
         const std::uint64_t step = w.session.performed()->step;
         if (first == 0) first = step;
         frames = step - first;
-        const auto surface = w.session.character()->surface(0);
-        finite = finite && std::all_of(surface.positions, surface.positions + 3 * surface.vertices, [](float x) { return std::isfinite(x); });
+        for (std::size_t e = 0; e < w.session.document().elements.size(); ++e) {
+            const auto surface = w.session.character()->surface(static_cast<int>(e));
+            finite = finite && std::all_of(surface.positions, surface.positions + 3 * surface.vertices, [](float x) { return std::isfinite(x); });
+        }
     }
     if (dragging) w.session.endGesture();
     flood.join();
