@@ -31,13 +31,13 @@ class FleshClearance {
 public:
     explicit FleshClearance(const Skeleton& skeleton);
 
-    /// Flesh as it was shown with joint points at these places, by joint point, ascending. Allocates where there is more of it than ever before.
+    /// Flesh as it was shown with joint points at these places, best by joint point and bone. Allocates where there is more of it than ever before.
     /// part: how much of what flesh did by itself is taken over, 0...1.
     void see(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points, double part = 1.0);
 
     /// Per joint point, m, >= 0: its height where the lowest of its flesh touches the plane. alone: where a point follows its flesh, which turns with it. 0: there is no flesh.
     void find(const std::vector<Vec3>& points, const Plane& plane, const std::vector<char>& alone, std::vector<double>& clearance);
-    /// Lifts points until their flesh touches the plane, and gives the clearance that keeps it there.
+    /// Lifts points until their flesh touches the plane, and gives the clearance that keeps it there; 0 for points so high that none of their flesh may reach it.
     void raise(std::vector<Vec3>& points, const Plane& plane, std::vector<double>& clearance);
     /// m: how far the deepest flesh was below the plane when it was shown, >= 0.
     [[nodiscard]] double depth(const Plane& plane) const;
@@ -49,11 +49,25 @@ private:
         Vec3 normal = Vec3::UnitY();  // of the plane, turned back from now to then
         Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();  // since it was shown before
     };
+    /// Flesh of one joint point that turns with one bone, side by side.
+    struct Run {
+        int point = -1, bone = -1;
+        Eigen::Index first = 0, count = 0;
+        double reach = 0.0;  // m: no offset is longer
+    };
+    void order(std::span<const FleshPoint> flesh);
+    void findNormals(const std::vector<Vec3>& points, const Plane& plane);
+    /// The height of the joint point of a run where its lowest flesh touches the plane. height: of that point now. alone: see find().
+    [[nodiscard]] double clearanceOf(const Run& run, const Plane& plane, double height, bool alone);
+
     std::vector<Bone> bones_;
-    std::vector<FleshPoint> flesh_;
+    std::vector<Run> runs_;
+    Eigen::Index flesh_ = 0;  // so many, of the rows below
+    Eigen::Matrix<double, Eigen::Dynamic, 3> offsets_;  // m, world
+    Eigen::ArrayXd alone_;    // 1 / (1 + lever): how much of its way is left where its point follows it
+    Eigen::ArrayXd heights_;  // m, over the joint point
     std::vector<Vec3> shownAt_;      // per joint point
     std::vector<double> lift_;       // per joint point, m
-    std::vector<char> all_;          // per joint point: 1
 };
 
 }  // namespace imomushi

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "core/character/frame.h"
 #include "core/effects/body_loads_job.h"
@@ -107,7 +108,7 @@ GroundJob::GroundJob(const Frame& frame, const GroundEffect& settings) : EffectJ
     }
     std::vector<std::size_t> order(flesh.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return flesh[a].point < flesh[b].point; });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std::tie(flesh[a].point, flesh[a].bone) < std::tie(flesh[b].point, flesh[b].bone); });
     for (const std::size_t i : order) {
         elements_[placeOf[i].first].chosen[placeOf[i].second].flesh = flesh_.size();
         flesh_.push_back(flesh[i]);
@@ -174,16 +175,17 @@ void GroundJob::measure(Element& element, double& depth, Frame& frame) {
         if (c.held >= 0)
             at = frame.heldAt(of, static_cast<std::size_t>(c.held));
         else if (warped)
-            at = of.frame(of.localAt(c.vertex, of.local.data()));
+            at = of.dented ? of.frame(of.localAt(c.vertex, of.local.data())) : Eigen::Map<const Eigen::Vector3f>(of.positions.data() + 3 * static_cast<std::size_t>(c.vertex)).cast<double>();
         else
             at = of.frame(c.rest + element.moved.segment<3>(3 * c.row).cast<double>());
         lowest = std::min(lowest, plane.height(at));
     }
     of.aloft = std::clamp(lowest / (kNear * runtime.size), 0.0, 1.0);
     if (warped || of.dented) {
-        lowest = std::numeric_limits<double>::infinity();
-        for (std::size_t v = 0; v < runtime.vertices; ++v)
-            lowest = std::min(lowest, plane.height(Eigen::Map<const Eigen::Vector3f>(of.positions.data() + 3 * v).cast<double>()));
+        // Heights over the middle, which are as exact as positions.
+        const Eigen::Vector3f up = plane.normal().cast<float>(), middle = of.frame(runtime.middle).cast<float>();
+        const Eigen::Map<const Eigen::Matrix3Xf> positions(of.positions.data(), 3, static_cast<Eigen::Index>(runtime.vertices));
+        lowest = element.height.middle + static_cast<double>(up.transpose().lazyProduct(positions.colwise() - middle).minCoeff());
     }
     depth = -lowest;
     element.height.lowest = lowest;

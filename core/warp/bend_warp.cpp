@@ -126,12 +126,8 @@ struct BendWarp::State {
         inflate();
         findPlanes(motions);
         if (!t.carrier) {
-            keepInside(carried);
             // What was pressed in at a face comes out elsewhere.
-            if (t.volume > 0.0 && std::abs(wantedVolume() - volumeNow()) > kPressedOut * t.volume) {
-                inflate();
-                keepInside(carried);
-            }
+            if (keepInside(carried) && t.volume > 0.0 && !t.inflation.empty() && grow(kPressedOut)) keepInside(carried);
         }
         shown = (place - t.middle).cast<float>();
         if (t.carrier) findCoarse(motions);
@@ -231,12 +227,6 @@ struct BendWarp::State {
     void displace(const Matrix3d& logStretch) {
         weights = v.cast<float>();
         if (v.size() > 0) moved.noalias() = t.response * weights;
-        Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-        eigen.compute(logStretch);
-        const Matrix3f grow =
-            (eigen.eigenvectors() * eigen.eigenvalues().array().exp().matrix().asDiagonal() * eigen.eigenvectors().transpose())
-                .cast<float>();
-        const Matrix3f linear = logStretch.cast<float>();
         for (int i = 0; i < t.free; ++i) displacement[i].head<3>() = moved.segment<3>(3 * i);
         std::size_t h = 0;
         for (std::size_t f = 0; f < t.faces.size(); ++f) {
@@ -244,9 +234,20 @@ struct BendWarp::State {
             for (Eigen::Index i = 0; 3 * i < t.heldColumns[f].rows(); ++i, ++h)
                 displacement[t.indexOfHeld[h]].head<3>() = t.heldColumns[f].middleRows<3>(3 * i).lazyProduct(part);
         }
+        if (logStretch.isZero(0.0)) {
+            std::copy(t.rest.begin(), t.rest.end(), base.begin());
+            for (int i = 0; i < t.vertices; ++i) at[i] = t.rest[i] + displacement[i];
+            return;
+        }
+        Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
+        eigen.compute(logStretch);
+        const Matrix3f stretch =
+            (eigen.eigenvectors() * eigen.eigenvalues().array().exp().matrix().asDiagonal() * eigen.eigenvectors().transpose())
+                .cast<float>();
+        const Matrix3f linear = logStretch.cast<float>();
         for (int i = 0; i < t.vertices; ++i) {
             const Three x = three(t.rest[i]);
-            const Three u = grow * (three(displacement[i]) - linear * x), b = grow * x;
+            const Three u = stretch * (three(displacement[i]) - linear * x), b = stretch * x;
             base[i] = four(b);
             displacement[i] = four(u);
             at[i] = four(b + u);
@@ -318,63 +319,46 @@ struct BendWarp::State {
     // Step 5: along normals that are smoothed once, less where triangles do not agree on one: creases would get sharper. (The fourth number of a normal sums areas.)
     void inflate() {
         if (!(t.volume > 0.0) || t.inflation.empty()) return;
-        const double wanted = wantedVolume();
         std::fill(force.begin(), force.end(), Vector4f::Zero());
-        for (const auto& triangle : t.surface) {
-            const Three x0 = three(at[triangle[0]]);
-            const Three n = (three(at[triangle[1]]) - x0).cross(three(at[triangle[2]]) - x0);
-            const Vector4f normal(n.x, n.y, n.z, std::sqrt(n.squaredNorm()));
-            for (const auto i : triangle) force[i] += normal;
-        }
+        addNormals(t.surface.data(), t.surface.size(), floats(at), floats(force));
         // The way of each vertex, in the displacement, which is done with: by the triangles around those around it, two of which meet each neighbour.
-        double now = 0.0, slope = 0.0;
         for (int i = 0; i < t.vertices; ++i) {
-            const Three normal = three(force[i]);
-            now += static_cast<double>(normal.dot(three(at[i]))) / 18.0;
             displacement[i].setZero();
             if (!(t.inflation[i] > 0.0f)) continue;
             const Vector4f sums = countAround(i) * force[i] + 2.0f * sumAround(force, i);
             const Three around = three(sums);
             const float length = std::sqrt(around.squaredNorm()), whole = sums[3];
             const float smooth = whole > 1e-20f ? length / whole : 0.0f, weight = t.inflation[i] * smooth * smooth;
-            const Three way = (length > 1e-20f ? weight / length : 0.0f) * around;
-            slope += static_cast<double>(way.dot(normal)) / 6.0;
-            displacement[i] = four(way);
+            displacement[i] = four((length > 1e-20f ? weight / length : 0.0f) * around);
         }
-        const double most = kMaxInflation * std::cbrt(t.volume);
-        if (!(slope * most > 1e-6 * t.volume) || !(std::abs(wanted - now) > kVolumeError * t.volume)) return;
-        // The volume is a cubic of the amount.
-        double square = 0.0, cube = 0.0;
-        for (const auto& c : t.surface) {
-            const Three x0 = three(at[c[0]]), x1 = three(at[c[1]]), x2 = three(at[c[2]]), w0 = three(displacement[c[0]]), w1 = three(displacement[c[1]]), w2 = three(displacement[c[2]]);
-            const Three ways = w1.cross(w2);
-            square += static_cast<double>(x0.dot(ways) + w0.dot(x1.cross(w2) + w1.cross(x2))) / 6.0;
-            cube += static_cast<double>(w0.dot(ways)) / 6.0;
-        }
-        double by = 0.0, volume = now;
-        for (int step = 0; step < kVolumeSteps && std::abs(wanted - volume) > kVolumeError * t.volume; ++step) {
-            by = std::clamp(by + (wanted - volume) / slope, -most, most);
-            volume = now + by * (slope + by * (square + by * cube));
-        }
-        for (int i = 0; i < t.free; ++i) at[i] += static_cast<float>(by) * displacement[i];
+        grow(kVolumeError);
     }
 
-    [[nodiscard]] double volumeNow() const {
-        double sum = 0.0;
-        for (const auto& c : t.surface) sum += static_cast<double>(three(at[c[0]]).dot(three(at[c[1]]).cross(three(at[c[2]])))) / 6.0;
-        return sum;
+    // To the volume that the linear response says, if it is off by more than this part. The ways of vertices are in the displacement.
+    bool grow(double error) {
+        const double wanted = t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0)), most = kMaxInflation * std::cbrt(t.volume);
+        const VolumeCurve curve = volumeCurve(t.surface.data(), t.surface.size(), floats(at), floats(displacement));
+        if (!(curve.slope * most > 1e-6 * t.volume) || !(std::abs(wanted - curve.volume) > error * t.volume)) return false;
+        double by = 0.0;
+        for (int step = 0; step < kVolumeSteps && std::abs(wanted - curve(by)) > kVolumeError * t.volume; ++step) by = std::clamp(by + (wanted - curve(by)) / curve.slope, -most, most);
+        for (int i = 0; i < t.free; ++i) at[i] += static_cast<float>(by) * displacement[i];
+        return true;
     }
 
     // Step 6.
-    void keepInside(const Vec3& carried) {
+    bool keepInside(const Vec3& carried) {
+        bool pressed = false;
         for (std::size_t f = 0; f < t.faces.size(); ++f) {
             const Three n(planes[f].normal);
             const Three place(Vec3((planes[f].place - t.origin - carried) / t.size));
             for (const auto& c : t.contacts[f]) {
                 const float depth = n.dot(place - three(at[c.vertex]));
-                if (depth < c.depth) at[c.vertex] -= four(c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n);
+                if (depth >= c.depth) continue;
+                at[c.vertex] -= four(c.weight * (c.depth / (2.0f - depth / c.depth) - depth) * n);
+                pressed = true;
             }
         }
+        return pressed;
     }
 
     void findPlanes(std::span<const FaceMotion> motions) {

@@ -96,9 +96,18 @@ std::vector<WarpBatch> batchesOf(const std::vector<ElasticTriangle>& triangles) 
     return out;
 }
 
-void findNeighbors(BendWarpTables& s) {
+using Corners = std::array<std::int32_t, 3>;
+
+std::vector<SurfaceBatch> batchesOf(const std::vector<Corners>& surface) {
+    std::vector<SurfaceBatch> out((surface.size() + kWarpBatch - 1) / kWarpBatch, SurfaceBatch{});
+    for (std::size_t i = 0; i < surface.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) out[i / kWarpBatch].corner[c][i % kWarpBatch] = 4 * surface[i][c];
+    return out;
+}
+
+void findNeighbors(const std::vector<Corners>& surface, BendWarpTables& s) {
     std::vector<std::array<std::int32_t, 2>> edges;
-    for (const auto& t : s.surface)
+    for (const auto& t : surface)
         for (std::size_t c = 0; c < 3; ++c) edges.push_back({t[c], t[(c + 1) % 3]}), edges.push_back({t[(c + 1) % 3], t[c]});
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -224,6 +233,7 @@ Result<std::shared_ptr<BendWarpTables>> BendWarpTables::buildWhole(const Triangl
             if (o != f) nearest = std::min(nearest, kBandShare * (faces[o].frame.origin - faces[f].frame.origin).norm());
         bands.push_back(std::max(nearest, 1e-6 * s.size));
     }
+    std::vector<Corners> surface;
     std::vector<ElasticTriangle> triangles;
     std::vector<std::vector<float>> parts(faces.size());  // of triangles, that follow each face
     for (Eigen::Index k = 0; k < body.triangles.rows(); ++k) {
@@ -247,7 +257,7 @@ Result<std::shared_ptr<BendWarpTables>> BendWarpTables::buildWhole(const Triangl
                 if (row[v[j]] >= 0) entries.push_back({row[v[i]], row[v[j]], c[i][j]});
         }
         s.volume += point(v[0]).dot(point(v[1]).cross(point(v[2]))) / 6.0;
-        s.surface.push_back(v);
+        surface.push_back(v);
         if (sliver || (kind[v[0]] == 2 && kind[v[1]] == 2 && kind[v[2]] == 2)) continue;
         double sum = 0.0;
         for (std::size_t f = 0; f < faces.size(); ++f) sum += followShare(distances[f][k] / bands[f]);
@@ -277,9 +287,10 @@ Result<std::shared_ptr<BendWarpTables>> BendWarpTables::buildWhole(const Triangl
             s.held.push_back(v);
             s.indexOfHeld.push_back(index[v] = s.free + static_cast<std::int32_t>(s.indexOfHeld.size()));
         }
-    for (auto& t : s.surface)
+    for (auto& t : surface)
         for (auto& v : t) v = index[v];
-    findNeighbors(s);
+    findNeighbors(surface, s);
+    s.surface = batchesOf(surface);
     for (auto& t : triangles)
         for (auto& v : t.v) v = index[v];
     s.triangles = batchesOf(triangles);

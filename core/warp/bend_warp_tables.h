@@ -48,8 +48,8 @@ struct BendWarpTables {
     Eigen::VectorXd volumeChange;              // per column, in sizes^3
     double volume = 0.0;
     Vectors rest;
-    std::vector<WarpBatch> triangles;              // that count
-    std::vector<std::array<std::int32_t, 3>> surface;  // all
+    std::vector<WarpBatch> triangles;   // that count
+    std::vector<SurfaceBatch> surface;  // all
     std::vector<std::int32_t> neighbors, firstNeighbor;  // of vertex i along the surface, each once: neighbors[firstNeighbor[i]] up to neighbors[firstNeighbor[i + 1]]
     std::vector<float> inflation;                      // per vertex, 0...1
     SparseFactor factor;

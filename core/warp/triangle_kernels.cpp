@@ -275,6 +275,55 @@ void addRotations(const WarpBatch* batches, std::size_t triangles, const float* 
         }
 }
 
+// Sums of each lane of a batch, added up in one order: the same on machines with wider or narrower vectors.
+struct LaneSums {
+    alignas(64) float of[kWarpBatch] = {};
+    HWY_INLINE void add(V v, std::size_t lane) { store(hn::Add(load(of, lane), v), of, lane); }
+    [[nodiscard]] double sum() const {
+        double all = 0.0;
+        for (const float x : of) all += static_cast<double>(x);
+        return all;
+    }
+};
+
+struct Corners {
+    Three x0, x1, x2;
+};
+HWY_INLINE Corners cornersOf(const SurfaceBatch& t, std::size_t lane, const float* vectors) {
+    const auto of = [&](int c) { return gather(vectors, hn::LoadU(hn::RebindToSigned<D>(), t.corner[c] + lane)); };
+    return {of(0), of(1), of(2)};
+}
+
+void addNormals(const SurfaceBatch* batches, std::size_t count, const float* at, float* normals) {
+    alignas(64) float found[4 * kWarpBatch];
+    for (std::size_t k = 0; k < count; ++k) {
+        const SurfaceBatch& t = batches[k];
+        for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
+            const auto [x0, x1, x2] = cornersOf(t, lane, at);
+            const Three n = cross(x1 - x0, x2 - x0);
+            hn::StoreInterleaved4(n.x, n.y, n.z, norm(n), D(), found + 4 * lane);
+        }
+        for (int i = 0; i < kWarpBatch; ++i)
+            for (const auto& corner : t.corner)
+                for (int c = 0; c < 4; ++c) normals[corner[i] + c] += found[4 * i + c];
+    }
+}
+
+VolumeCurve volumeCurve(const SurfaceBatch* batches, std::size_t count, const float* at, const float* way) {
+    LaneSums volume, slope, square, cube;
+    for (std::size_t k = 0; k < count; ++k)
+        for (std::size_t lane = 0; lane < kWarpBatch; lane += hn::Lanes(D())) {
+            const auto [x0, x1, x2] = cornersOf(batches[k], lane, at);
+            const auto [w0, w1, w2] = cornersOf(batches[k], lane, way);
+            const Three places = cross(x1, x2), both = cross(x1, w2) + cross(w1, x2), ways = cross(w1, w2);
+            volume.add(dot(x0, places), lane);
+            slope.add(hn::Add(dot(w0, places), dot(x0, both)), lane);
+            square.add(hn::Add(dot(w0, both), dot(x0, ways)), lane);
+            cube.add(dot(w0, ways), lane);
+        }
+    return {volume.sum() / 6.0, slope.sum() / 6.0, square.sum() / 6.0, cube.sum() / 6.0};
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace imomushi
 HWY_AFTER_NAMESPACE();
@@ -285,6 +334,8 @@ namespace imomushi {
 HWY_EXPORT(pullToResponse);
 HWY_EXPORT(pullToFit);
 HWY_EXPORT(addRotations);
+HWY_EXPORT(addNormals);
+HWY_EXPORT(volumeCurve);
 
 float pullToResponse(const WarpBatch* batches, std::size_t count, const FollowBatch* follow, std::size_t followCount, const FaceStrain* faces,
                      const float* base, const float* displacement, const float* at, TargetBatch* targets, float* force) {
@@ -297,6 +348,14 @@ void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, con
 
 void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum) {
     HWY_DYNAMIC_DISPATCH(addRotations)(batches, triangles, base, displacement, sum);
+}
+
+void addNormals(const SurfaceBatch* batches, std::size_t count, const float* at, float* normals) {
+    HWY_DYNAMIC_DISPATCH(addNormals)(batches, count, at, normals);
+}
+
+VolumeCurve volumeCurve(const SurfaceBatch* batches, std::size_t count, const float* at, const float* way) {
+    return HWY_DYNAMIC_DISPATCH(volumeCurve)(batches, count, at, way);
 }
 
 }  // namespace imomushi

@@ -6,7 +6,7 @@
 
 namespace imomushi {
 
-/// What the bend warp does to every triangle of a frame (bend_warp.h, steps 3 and 4), by the vector instructions of the machine. Vectors of vertices are
+/// What the bend warp does to every triangle of a frame (bend_warp.h, steps 3 to 5), by the vector instructions of the machine. Vectors of vertices are
 /// x y z and nothing, vertex after vertex; lengths are in sizes of the element. Nothing here allocates, locks or fails; finite numbers stay finite.
 inline constexpr int kWarpBatch = 16;
 
@@ -15,6 +15,11 @@ struct WarpBatch {
     std::int32_t corner[3][kWarpBatch];  ///< 4 * vertex
     /// Energy of two sides d1, d2 from corner 0: 1/2 (c11 d1.d1 + 2 c12 d1.d2 + c22 d2.d2), the integral of |gradient|^2 / 2.
     float c11[kWarpBatch], c12[kWarpBatch], c22[kWarpBatch];
+};
+
+/// Triangles side by side, all of a surface. Lanes after the last have one vertex at all corners.
+struct SurfaceBatch {
+    std::int32_t corner[3][kWarpBatch];  ///< 4 * vertex
 };
 
 /// The target shapes of triangles: their two sides at rest after strains, in their planes, and the axes of the planes after rotations.
@@ -46,5 +51,15 @@ void pullToFit(const WarpBatch* batches, std::size_t count, const float* at, con
 
 /// Adds the rotation vectors of `triangles` triangles, that their gradient says, to sum (x y z).
 void addRotations(const WarpBatch* batches, std::size_t triangles, const float* base, const float* displacement, float* sum);
+
+/// Adds the normals of triangles, of twice their areas, to each of their vertices, and these lengths to the fourth numbers.
+void addNormals(const SurfaceBatch* batches, std::size_t count, const float* at, float* normals);
+
+/// The volume within a surface whose vertices have gone from `at` by s times `way` is a cubic of s.
+struct VolumeCurve {
+    double volume, slope, square, cube;  ///< factors of 1, s, s^2 and s^3
+    [[nodiscard]] double operator()(double s) const { return volume + s * (slope + s * (square + s * cube)); }
+};
+VolumeCurve volumeCurve(const SurfaceBatch* batches, std::size_t count, const float* at, const float* way);
 
 }  // namespace imomushi
