@@ -336,8 +336,8 @@
             <translation>ライブ入力(&amp;I)</translation>
         </message>
         <message>
-            <source>Let ever&amp;ything go</source>
-            <translation>すべて放す(&amp;Y)</translation>
+            <source>Stop ever&amp;y input</source>
+            <translation>全入力を止める(&amp;Y)</translation>
         </message>
         <message>
             <source>Load mappin&amp;gs…</source>
@@ -4242,6 +4242,14 @@
     <context>
         <name>imomushi::MainWindow</name>
         <message>
+            <source>Play</source>
+            <translation>再生</translation>
+        </message>
+        <message>
+            <source>Recorded “%1”, %2 s</source>
+            <translation>「%1」を記録しました（%2 秒）</translation>
+        </message>
+        <message>
             <source>Precomputing %1</source>
             <translation>%1 を前計算中</translation>
         </message>
@@ -7111,8 +7119,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>%1 %2</translation>
         </message>
         <message>
-            <source>Let everything go</source>
-            <translation>すべて放す</translation>
+            <source>Stop every input</source>
+            <translation>全入力を止める</translation>
         </message>
         <message>
             <source>Triggers</source>
@@ -7174,8 +7182,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
     <context>
         <name>imomushi::LivePanel</name>
         <message>
-            <source>Everything was let go. Inputs move nothing until you continue.</source>
-            <translation>すべて放しました。「続ける」まで、入力は何も動かしません。</translation>
+            <source>Inputs are stopped. Press a mapped key or Continue, and they go on.</source>
+            <translation>入力は止まっています。割り当てたキーか「続ける」を押すと、また動きます。</translation>
         </message>
         <message>
             <source>What inputs held was undone. They move nothing until you continue.</source>
@@ -7186,8 +7194,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>入力はキャラクターをつかめませんでした。「続ける」まで、何も動かしません。</translation>
         </message>
         <message>
-            <source>A take is shown. Leave it, and inputs move the character.</source>
-            <translation>テイクを表示しています。離れると、入力がキャラクターを動かします。</translation>
+            <source>A take is shown. Press a mapped key or Continue, and inputs move the character.</source>
+            <translation>テイクを表示中です。割り当てたキーか「続ける」を押すと、入力がキャラクターを動かします。</translation>
         </message>
         <message>
             <source>There is no character to perform yet. Open a sample, or make a mesh soft.</source>
@@ -7235,8 +7243,8 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
             <translation>続ける</translation>
         </message>
         <message>
-            <source>Let everything go</source>
-            <translation>すべて放す</translation>
+            <source>Stop every input</source>
+            <translation>全入力を止める</translation>
         </message>
         <message>
             <source>Everything that inputs move glides to rest, and they move nothing more until you continue.</source>
@@ -7351,7 +7359,7 @@ Of that: bones %1 ms, joints %2 ms, surfaces %3 ms, normals %4 ms</source>
         </message>
         <message>
             <source>In silence</source>
-            <translation>無音では</translation>
+            <translation>値が来ないとき</translation>
         </message>
         <message>
             <source>Holds</source>

@@ -215,6 +215,24 @@ bool DocumentHistory::endGesture(Step named) {
     return true;
 }
 
+bool DocumentHistory::endGestureInLast() {
+    if (!gesture_ || gesture_->step.name.empty() || position_ == 0 || position_ != static_cast<int>(entries_.size()) || savedPosition_ == position_) return false;
+    flushFrames();
+    const DocumentChange& last = entries_.back().change;
+    Document before = gesture_->before;
+    DocumentChange back = last;
+    exchange(before, back);
+    DocumentChange change = entryOf(before, document_, {}).change;
+    for (const auto& [morph, weight] : last.morphs) keepMorph(change, morph, before);
+    for (const MorphRef& morph : gesture_->morphs) keepMorph(change, morph, before);
+    if ((gesture_->effects || last.effects) && !change.effects) change.effects = before.effects;
+    if (last.pose && !change.pose) change.pose = before.pose;
+    if (ScriptLines* lines = lastLines(false)) lines->add(std::move(gesture_->lines));
+    entries_.back().change = std::move(change);
+    gesture_.reset();
+    return true;
+}
+
 Document DocumentHistory::cancelGesture() noexcept {
     gesture_->before.nextId = document_.nextId;
     scriptBytes_ -= gesture_->lines.size();

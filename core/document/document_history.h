@@ -61,6 +61,8 @@ public:
     void beginGesture();
     /// False: nothing was committed, so there is no step. `named`: the step is called so instead.
     bool endGesture(Step named = {});
+    /// The same, but what the gesture did becomes part of the step before it, which undo takes back with it. Only where steps() ends at the position, and not where that step is what was saved: false, and nothing happens.
+    bool endGestureInLast();
     /// Restores the document of beginGesture(); ids that were given out stay used. Returns the document as it was before the call. Only in a gesture; takes no memory.
     Document cancelGesture() noexcept;
     [[nodiscard]] bool inGesture() const { return gesture_.has_value(); }

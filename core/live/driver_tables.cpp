@@ -325,14 +325,14 @@ struct InputDriver::Tables {
         return parts;
     }
 
-    /// After sortTurned(). A limb ends where a row may place the end of a bone, and begins after the last bone that others hang on, too.
+    /// After sortTurned(). A limb ends where a row may place the end of a bone, or a hand while poses move it, and begins after the last bone that others hang on, too.
     void addLimbs() {
         std::vector<int> children(turned.size(), 0);
         for (const Turned& t : turned)
             if (t.parent >= 0) ++children[static_cast<std::size_t>(t.parent)];
         for (std::size_t b = 0; b < turned.size(); ++b) {
             const auto& slots = driven[turned[b].end].slotNumbers;
-            if (std::all_of(slots.begin(), slots.begin() + 3, [](int slot) { return slot < 0; })) continue;
+            if (posed.empty() && std::all_of(slots.begin(), slots.begin() + 3, [](int slot) { return slot < 0; })) continue;
             Limb limb{{b}};
             for (int up = turned[b].parent; up >= 0 && children[static_cast<std::size_t>(up)] == 1 && !turned[static_cast<std::size_t>(up)].pinned; up = turned[static_cast<std::size_t>(up)].parent) limb.bones.push_back(static_cast<std::size_t>(up));
             limbs.push_back(std::move(limb));

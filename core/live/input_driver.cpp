@@ -77,7 +77,11 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
             }
         }
     }
-    if (turns || std::ranges::any_of(turned_, [&](const Turned& t) { return (t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved) || (poses_ && driven_[t.end].moved); })) {
+    const auto carried = [&](const Turned& t) {
+        const Driven& end = driven_[t.end];
+        return (t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved) || (poses_ && (end.moved || end.byHand));
+    };
+    if (turns || std::ranges::any_of(turned_, carried)) {
         turnAll();
         for (Turned& bone : turned_) follow(bone);
     }
@@ -108,6 +112,8 @@ bool InputDriver::addPoses() {
                        std::ranges::any_of(cycles_, [this](const Cycled& c) { return mapper_.moved(c.amount) || runs(c); });
     if (!moved) return false;
     weighPoses();
+    // Where there never was anything of a pose, bones need not be held for it.
+    if (!poses_ && std::ranges::none_of(posed_, [](const Posed& p) { return std::abs(p.weight - p.before) > kNothing; })) return false;
     poses_ = true;
     sumPoses();
     return true;
@@ -184,7 +190,12 @@ void InputDriver::turnAll() {
         const Turned& last = turned_[limb.bones.front()];
         Driven& end = driven_[last.end];
         end.byPoses = last.endNow() - last.unposedEnd();
-        if (!poses_ || end.byHand || !placed(end)) continue;
+        if (!poses_ || !(end.byHand || placed(end))) continue;
+        if (end.byHand) {
+            lead(limb);
+            for (Turned& bone : turned_) turn(bone);
+            continue;
+        }
         end.input.target = last.endNow();
         const Vec3 aside = end.rest - last.unposedEnd();
         for (std::size_t k = 0; k < 3; ++k) {
@@ -205,7 +216,7 @@ void InputDriver::lead(const Limb& limb) {
     constexpr double kMet = 1e-6;  // of the limb's length
     std::size_t n = 1;
     const auto isLed = [this](const Turned& bone) { return std::ranges::any_of(bone.slotNumbers, [this](int slot) { return leads(slot); }); };
-    while (n < limb.bones.size() && !isLed(turned_[limb.bones[n]]) && !placed(driven_[turned_[limb.bones[n]].end])) ++n;
+    while (n < limb.bones.size() && !isLed(turned_[limb.bones[n]]) && !placed(driven_[turned_[limb.bones[n]].end]) && !driven_[turned_[limb.bones[n]].end].byHand) ++n;
     const auto bone = [&](std::size_t i) -> Turned& { return turned_[limb.bones[n - 1 - i]]; };
     const Turned& last = bone(n - 1);
     const Vec3 target = driven_[last.end].input.target;
@@ -305,6 +316,16 @@ void InputDriver::pointAt(Turned& bone, const Vec3& end) {
         if (bone.slotNumbers[k] >= 0) mapper_.setByHand(bone.slotNumbers[k], false, bone.turn[static_cast<Eigen::Index>(k)] - bone.added[static_cast<Eigen::Index>(k)]);
 }
 
+void InputDriver::leaveLimb(const Driven& end, const Vec3& at) {
+    for (const Limb& limb : limbs_) {
+        if (&driven_[turned_[limb.bones.front()].end] != &end) continue;
+        for (std::size_t i = limb.bones.size(); i-- > 1;)
+            if (Turned& bone = turned_[limb.bones[i]]; bone.led) pointAt(bone, bone.endNow());
+    }
+    for (Turned& bone : turned_)
+        if (&driven_[bone.end] == &end) pointAt(bone, at);
+}
+
 void InputDriver::read(std::span<InputMeter> meters) const {
     for (std::size_t i = 0; i < rowOf_.size() && i < meters.size(); ++i) meters[i] = rowOf_[i] < 0 ? InputMeter() : mapper_.meterOf(static_cast<std::size_t>(rowOf_[i]));
 }
@@ -314,9 +335,7 @@ void InputDriver::hold(const LiveInput& held) {
         LiveInput& input = driven.input;
         if (!input.sameTarget(held)) continue;
         const bool byHand = std::exchange(driven.byHand, false);
-        if (byHand)
-            for (Turned& bone : turned_)
-                if (&driven_[bone.end] == &driven) pointAt(bone, held.target);
+        if (byHand) leaveLimb(driven, held.target);
         driven.held = true;
         // What only poses move was taken hold of where it is, and goes on by them.
         const auto restarts = [&](int slot) { return slot >= 0 && (byHand || !driven.posed || mapper_.winner(slot) >= 0); };

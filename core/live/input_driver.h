@@ -38,7 +38,7 @@ public:
     [[nodiscard]] bool moves(const LiveInput& input) const;
     /// Numbers must be held anew.
     void forgetNumbers();
-    /// A hand has what such an input moves: nothing else drives it until hold().
+    /// A hand has what such an input moves, there: nothing else drives it until hold(). While poses move its limb, that goes along.
     void giveToHand(const LiveInput& held);
     /// See InputMapper::rests() and pass(), between two steps. While a cycle runs it does not rest.
     [[nodiscard]] double rests() const;
@@ -87,7 +87,7 @@ private:
         [[nodiscard]] Vec3 endNow() const { return startNow + now * (length * along); }
         [[nodiscard]] Vec3 unposedEnd() const { return unposedStart + unposedNow * (unposedLength * along); }
     };
-    /// Bones whose last end rows may place: where poses move them, what rows say is added to that, and the bones before the last one go along.
+    /// Bones whose last end rows or a hand may place: where poses move them, what rows say is added to that, a hand has it where it is, and the bones before the last one go along.
     struct Limb {
         std::vector<std::size_t> bones;    ///< of turned_, from the last one up
     };
@@ -168,6 +168,8 @@ private:
     static void rebase(Driven& driven);
     /// A bone that is turned points where its end was left, so that it goes on from there.
     void pointAt(Turned& bone, const Vec3& end);
+    /// The same for the bones that went along with a hand, which has let go of their last end there.
+    void leaveLimb(const Driven& end, const Vec3& at);
     std::vector<Driven> driven_;
     std::vector<Turned> turned_;     // parents before children
     std::vector<Limb> limbs_;        // parents before children

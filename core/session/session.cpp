@@ -115,6 +115,8 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     try {
         if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
         if (change.structure() || change.responses) responses_.refresh();
+        if (what->changesDocument() && !forInputs_) leaveToArtist(change.document);
+        else if (historyMoved_) seeHeldAgain();
     } catch (const std::bad_alloc&) {
         live_->drop();
     }
@@ -214,6 +216,17 @@ void Session::endGesture(Step named) {
     const ParkedPerformer parked(performer_.get());
     leaveHands();
     if (!history_.endGesture(std::move(named))) return;
+    Change change;
+    change.history = true;
+    tell(change);
+}
+
+void Session::endGestureInLast(Step named) {
+    const ParkedPerformer parked(performer_.get());
+    const auto& all = steps();
+    const bool live = !all.empty() && (all.back().name == "live" || all.back().name == "record");
+    if (!live || !history_.endGestureInLast()) return endGesture(std::move(named));
+    leaveHands();
     Change change;
     change.history = true;
     tell(change);
@@ -335,9 +348,11 @@ bool Session::give(const LiveInput& input) {
     InputFeed* feed = performer_->feed();
     const LiveInput held = feed ? asDriven(plan(), input) : input;
     followHeld();
-    std::erase_if(heldForInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(held); });  // the artist's, from now on
-    if (!feed || std::any_of(byHand_.begin(), byHand_.end(), [&](const LiveInput& known) { return known.sameTarget(held); })) return true;
-    byHand_.push_back(held);
+    for (auto* list : {&heldForInputs_, &leftByInputs_}) std::erase_if(*list, [&](const HeldForInputs& known) { return known.input.sameTarget(held); });  // the artist's, from now on
+    if (!feed) return true;
+    const auto known = std::ranges::find_if(byHand_, [&](const LiveInput& k) { return k.sameTarget(held); });
+    if (known == byHand_.end()) byHand_.push_back(held);
+    else *known = held;
     (void)feed->giveToHand(held);
     return true;
 }
@@ -384,10 +399,14 @@ Result<bool> Session::holdInputs() {
         seen.push_back(*refused);
         IMOMUSHI_TRY(const auto hold, takingHoldOf(*this, *refused));
         if (!hold) continue;
-        if (auto done = execute(hold->command); !done) return tl::unexpected(done.error());
+        forInputs_ = true;
+        const auto done = execute(hold->command);
+        forInputs_ = false;
+        if (!done) return tl::unexpected(done.error());
         if (refused->kind == LiveInput::Kind::Morph) history_.passesOn(refused->morph);
         if (refused->kind == LiveInput::Kind::Effect) history_.effectsPassOn();
-        if (!refused->isNumber()) heldForInputs_.push_back({*refused, refused->kind == LiveInput::Kind::Handle ? plan().handles[static_cast<std::size_t>(refused->handle)] : FaceRef()});
+        const bool known = std::ranges::any_of(heldForInputs_, [&](const HeldForInputs& k) { return k.input.sameTarget(*refused); });
+        if (!refused->isNumber() && !known) heldForInputs_.push_back({*refused, refused->kind == LiveInput::Kind::Handle ? plan().handles[static_cast<std::size_t>(refused->handle)] : FaceRef()});
         held = true;
         feed = performer_->feed();
         if (feed) (void)feed->hold(hold->held);
@@ -405,25 +424,50 @@ bool Session::inputsLeft() {
 }
 
 void Session::followHeld() {
-    std::erase_if(heldForInputs_, [this](HeldForInputs& held) {
-        if (held.input.kind == LiveInput::Kind::Handle) held.input.handle = plan().handleIndex(held.handle);
-        return held.input.kind == LiveInput::Kind::Handle && held.input.handle < 0;
-    });
+    for (auto* list : {&heldForInputs_, &leftByInputs_})
+        std::erase_if(*list, [this](HeldForInputs& held) {
+            if (held.input.kind == LiveInput::Kind::Handle) held.input.handle = plan().handleIndex(held.handle);
+            return held.input.kind == LiveInput::Kind::Handle && held.input.handle < 0;
+        });
+}
+
+void Session::leaveToArtist(const DocumentChange& change) {
+    if (change.goals.empty() && change.handleGoals.empty()) return;
+    for (auto* list : {&heldForInputs_, &leftByInputs_})
+        std::erase_if(*list, [&](const HeldForInputs& held) {
+            if (held.input.kind == LiveInput::Kind::Handle) return change.handleGoals.contains(held.handle);
+            const int point = plan().pointIndex(held.input.end);
+            return std::ranges::any_of(change.goals, [&](const auto& goal) { return plan().pointIndex(goal.first) == point; });
+        });
+}
+
+void Session::seeHeldAgain() {
+    followHeld();
+    for (const HeldForInputs& left : leftByInputs_)
+        if (std::ranges::none_of(heldForInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(left.input); })) heldForInputs_.push_back(left);
+    std::erase_if(heldForInputs_, [this](const HeldForInputs& held) { return releasingOf(*this, held.input).is_null(); });
 }
 
 Result<void> Session::releaseInputs() {
-    const InputFeed* feed = performer_ ? performer_->feed() : nullptr;
-    if (!feed) return {};
+    if (!performer_) return {};
+    const InputFeed* feed = performer_->feed();
     const ParkedPerformer parked(performer_.get());
     followHeld();
     std::vector<Json> commands;
     std::erase_if(heldForInputs_, [&](const HeldForInputs& held) {
-        if (feed->driver().moves(held.input)) return false;
-        if (Json command = releasingOf(*this, held.input); !command.is_null()) commands.push_back(std::move(command));
+        if (feed && feed->driver().moves(held.input)) return false;
+        if (Json command = releasingOf(*this, held.input); !command.is_null()) {
+            commands.push_back(std::move(command));
+            if (std::ranges::none_of(leftByInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(held.input); })) leftByInputs_.push_back(held);
+        }
         return true;
     });
-    for (const Json& command : commands)
-        if (auto done = execute(command); !done) return tl::unexpected(done.error());
+    for (const Json& command : commands) {
+        forInputs_ = true;
+        const auto done = execute(command);
+        forInputs_ = false;
+        if (!done) return tl::unexpected(done.error());
+    }
     return {};
 }
 
@@ -500,7 +544,6 @@ Result<bool> SessionAccess::undo(int count) {
     const Document before = session.document();
     if (auto ok = session.history_.undo(count); !ok) return tl::unexpected(ok.error());
     if (InputFeed* feed = session.performer_ ? session.performer_->feed() : nullptr) feed->forgetNumbers();
-    session.heldForInputs_.clear();  // what is held now is what the artist went back to
     session.historyMoved_ = true;
     live.followExchange(before);
     return true;
@@ -510,7 +553,6 @@ Result<bool> SessionAccess::redo(int count) {
     session.endGesture();
     const Document before = session.document();
     if (auto ok = session.history_.redo(count); !ok) return tl::unexpected(ok.error());
-    session.heldForInputs_.clear();
     session.historyMoved_ = true;
     live.followExchange(before);
     return true;
@@ -540,6 +582,7 @@ void SessionAccess::replace(Project project, std::filesystem::path path, bool sa
     session.historyMoved_ = true;
     live.replace();
     session.heldForInputs_.clear();
+    session.leftByInputs_.clear();
     session.pendingChange_.replaced = session.pendingChange_.pose = session.pendingChange_.responses = session.pendingChange_.file = true;
 }
 

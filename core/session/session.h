@@ -62,6 +62,8 @@ public:
     void beginGesture();
     /// `named`: the step is called so, instead of after the last command.
     void endGesture(Step named = {});
+    /// The same as part of the step before, where that is one of live input or of a take; else as a step of its own.
+    void endGestureInLast(Step named);
     void cancelGesture() noexcept;
     /// Differs from what was last saved or opened, or has responses that were computed since.
     [[nodiscard]] bool modified() const { return history_.modified() || responses_.unsaved(); }
@@ -200,7 +202,13 @@ private:
         LiveInput input;
         FaceRef handle;  // of one: its number in the plan may be another one by now
     };
-    std::vector<HeldForInputs> heldForInputs_;  // ends and handles that holdInputs() grabbed, since the history was moved last
+    std::vector<HeldForInputs> heldForInputs_;  // ends and handles that holdInputs() grabbed
+    std::vector<HeldForInputs> leftByInputs_;   // what it grabbed and releaseInputs() let go: undo may hold it again
+    bool forInputs_ = false;                    // a command of holdInputs() or releaseInputs()
+    /// What else takes hold of something that inputs held, or lets it go, has it from now on.
+    void leaveToArtist(const DocumentChange& change);
+    /// Undo or redo may hold again what inputs held.
+    void seeHeldAgain();
     /// They are called as the plan calls them now.
     void followHeld();
     std::uint64_t lookedAt_ = 0;            // the step at which inputsLeft() looked last

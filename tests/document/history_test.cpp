@@ -119,6 +119,47 @@ TEST_CASE("history: a gesture is one step, cancelled it leaves nothing, and undo
     CHECK(w.session.position() == steps);
 }
 
+TEST_CASE("history: what is done in the step of live input before is undone with it, and redone; a step of another kind, a saved one and one with steps after it are left alone") {
+    Workbench w;
+    w.buildChain();
+    const auto drag = [&](double x) { w.good({{"do", "drag"}, {"endpoint", "b/end"}, {"to", {x, 0, 6}}}); };
+    const auto gesture = [&](const auto& act, const char* name) {
+        w.session.beginGesture();
+        act();
+        w.session.endGesture({name, {}});
+    };
+    const auto added = [&](const auto& act) {
+        const int before = w.session.position();
+        w.session.beginGesture();
+        act();
+        w.session.endGestureInLast({"release", {}});
+        return w.session.position() == before;
+    };
+    const auto release = [&] { w.good({{"do", "release"}}); };
+    const std::string first = w.content();
+    gesture([&] { drag(0.3); }, "live");
+    CHECK(added(release));
+    const std::string released = w.content();
+    CHECK(w.session.steps().back().name == "live");
+    Workbench again;
+    for (const Json& line : w.session.script()) again.good(line);
+    CHECK(again.content() == released);
+    w.good({{"do", "undo"}});
+    CHECK(w.content() == first);
+    w.good({{"do", "redo"}});
+    CHECK(w.content() == released);
+    drag(0.2);
+    CHECK(!added(release));
+    CHECK(w.session.steps().back().name == "release");
+    gesture([&] { drag(0.4); }, "live");
+    w.good({{"do", "save"}, {"path", "saved.imomushi"}});
+    CHECK(!added(release));
+    gesture([&] { drag(0.1); }, "live");
+    drag(0.5);
+    w.good({{"do", "undo"}});
+    CHECK(!added(release));
+}
+
 TEST_CASE("modified: by the saved position, also after undo and after the saved state is gone") {
     Workbench w;
     const std::string path = (Workbench::folder() / "modified.imomushi").string();

@@ -307,3 +307,55 @@ TEST_CASE("cycle: steps allocate nothing, and the same values and steps are the 
         CHECK(one[i].weight == other[i].weight);
     }
 }
+
+TEST_CASE("cycle: the limb goes along with a hand that holds its end, and goes on from where the hand leaves it") {
+    Dancer d;
+    const CharacterPlan& plan = d.session.plan();
+    const int tip = plan.pointIndex(*d.session.document().endpoint("b/end"));
+    InputDriver alone = d.driver(), held = d.driver();
+    std::map<int, Vec3> shown, places;
+    const auto step = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            for (const auto& [point, place] : after(alone, plan, 1).places) shown[point] = place;
+            for (const auto& [point, place] : after(held, plan, 1).places) places[point] = place;
+        }
+    };
+    for (InputDriver* driver : {&alone, &held}) REQUIRE(driver->take(valueOf("face", "much", {1.0})));
+    step(30);
+    LiveInput hand;
+    hand.end = plan.points.begin()->first;
+    for (const auto& [end, point] : plan.points)
+        if (point == tip) hand.end = end;
+    const Vec3 from = places[tip];
+    for (int i = 1; i <= 60; ++i) {
+        hand.target = from + i / 60.0 * Vec3(0.0, 0.5, -0.2);
+        held.giveToHand(hand);
+        places.erase(tip);
+        step(1);
+        CHECK(!places.contains(tip));
+        places[tip] = hand.target;
+        // Bones keep the lengths that the cycle gives them: none is torn out of the chain.
+        for (const auto& b : plan.input.skeleton.bones) {
+            const double is = (places[b.end] - places[b.start]).norm(), was = (shown[b.end] - shown[b.start]).norm();
+            CHECK(is == doctest::Approx(was).epsilon(0.05));
+        }
+    }
+    // It goes on from there without a jump, and after a whole round of the cycle it is there again.
+    held.hold(hand);
+    auto before = places;
+    const auto left = places;
+    constexpr int kRound = 120;
+    for (int i = 0; i < kRound; ++i) {
+        step(1);
+        for (const auto& [point, place] : places) CHECK((place - before[point]).norm() < 0.06);
+        before = places;
+    }
+    for (const auto& [point, place] : places) CHECK((place - left.at(point)).norm() < 0.02);
+}
+
+TEST_CASE("cycle: a control that says there is nothing of it holds no bone") {
+    Dancer d;
+    InputDriver driver = d.driver();
+    REQUIRE(driver.take(valueOf("face", "much", {0.0})));
+    CHECK(!after(driver, d.session.plan(), kSettle).any);
+}

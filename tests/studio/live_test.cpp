@@ -10,6 +10,7 @@
 #include <QWheelEvent>
 
 #include "core/base/rotation_vector.h"
+#include "core/document/cycle.h"
 #include "core/document/source_calibration.h"
 #include "core/input/input_decoder.h"
 #include "tests/studio/window.h"
@@ -162,7 +163,7 @@ TEST_CASE("live: panic lets everything glide to rest, and inputs move nothing un
     waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.15; });
     QTest::keyClick(&w.view(), Qt::Key_Escape, Qt::ShiftModifier);
     CHECK(w.inputs().waits() == InputDeck::Waits::LetGo);
-    CHECK(w.guide().startsWith(QStringLiteral("Everything was let go")));
+    CHECK(w.guide().startsWith(QStringLiteral("Inputs are stopped")));
     for (int i = 0; i < 5; ++i) w.say("/fader", 0.9F);
     waitFor([&] { return w.place(w.lastEnd()).y() < rest + 0.02; });
     waitFor([&] { return w.inputs().sources()[0].heard.counts.packets == 6; });
@@ -485,6 +486,80 @@ TEST_CASE("live: the keyboard is mapped to whatever the character has by one cli
     w.trigger("undo");
     w.trigger("undo");
     CHECK(w.rows() == 0);
+}
+
+TEST_CASE("live: where a cycle has stopped, a key holds what it moves alone, and stopping all inputs lets that go as part of the same step") {
+    LiveWindow w;
+    w.window().activateWindow();
+    waitFor([&] { return w.window().isActiveWindow(); });
+    const std::size_t pins = w.now().goals.size();
+    w.trigger("suggest-keys");
+    waitFor([&] { return w.rows() >= 4; });
+    w.trigger("move-by-itself");
+    // It moves at once, as it says.
+    waitFor([&] { return w.now().goals.size() > pins + 3; });
+    const std::string cycle = cyclesOf(w.now()).front().name;
+    CHECK(w.inputs().cycleFaders(cycle).amount == 0.5);
+    w.inputs().playCycle(cycle, {0.0, 1.0});
+    waitFor([&] { return w.now().goals.size() == pins; });
+    const int before = w.position();
+    w.view().setFocus();
+    const double rest = w.place(w.lastEnd()).y();
+    QTest::keyPress(&w.view(), Qt::Key_W);
+    waitFor([&] { return w.place(w.lastEnd()).y() > rest + 0.05; });
+    CHECK(w.now().goals.size() == pins + 1);
+    QTest::keyRelease(&w.view(), Qt::Key_W);
+    QTest::keyClick(&w.view(), Qt::Key_Escape, Qt::ShiftModifier);
+    waitFor([&] { return w.now().goals.size() == pins; });
+    CHECK(w.position() == before + 1);
+}
+
+TEST_CASE("live: while a take is shown a mapped key leaves it and moves the character") {
+    LiveWindow w;
+    w.window().activateWindow();
+    waitFor([&] { return w.window().isActiveWindow(); });
+    w.trigger("suggest-keys");
+    waitFor([&] { return w.rows() >= 4; });
+    w.trigger("record");
+    waitFor([&] { return w.document().session().recording() && w.document().session().recording()->frames > 3; });
+    w.trigger("record");
+    CHECK(w.window().messages().text().startsWith(QStringLiteral("Recorded “")));
+    w.window().deck().show(0.0);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::Take; });
+    CHECK(w.part<QAbstractButton>("goOn").isVisible());
+    w.view().setFocus();
+    const double rest = w.place(w.lastEnd()).y();
+    QTest::keyPress(&w.view(), Qt::Key_W);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::No && w.place(w.lastEnd()).y() > rest + 0.05; });
+    QTest::keyRelease(&w.view(), Qt::Key_W);
+}
+
+TEST_CASE("live: a click that mutes a row chooses none; Escape and a click beside the rows close its form") {
+    LiveWindow w;
+    w.run({{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.2}}});
+    auto& view = w.part<MappingView>("mappings");
+    const auto at = [&](int column) { return view.visualRect(w.model().index(0, column)).center(); };
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, at(MappingModel::Mute));
+    CHECK(w.model().level(0).muted);
+    CHECK(view.chosen() == -1);
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, at(MappingModel::Target));
+    CHECK(view.chosen() == 0);
+    w.settle();
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, at(MappingModel::Mute));
+    CHECK(!w.model().level(0).muted);
+    CHECK(view.chosen() == 0);
+    QTest::keyClick(&view, Qt::Key_Escape);
+    CHECK(view.chosen() == -1);
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, at(MappingModel::Target));
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, {20, view.viewport()->height() - 4});
+    CHECK(view.chosen() == -1);
+    // What was chosen in one project is not in the next.
+    QTest::mouseClick(view.viewport(), Qt::LeftButton, {}, at(MappingModel::Target));
+    const Json rows = {{"do", "map-input"}, {"source", "osc"}, {"channel", "/fader"}, {"target", "bone/" + w.lastEndName() + "/y"}, {"out", {0, 0.2}}};
+    w.run({{"do", "new"}});
+    w.open(samples()[0].path);
+    w.run(rows);
+    CHECK(view.chosen() == -1);
 }
 
 TEST_CASE("live: the wheel over a list of devices scrolls the sources and chooses nothing, until the list has the focus") {

@@ -227,11 +227,15 @@ TEST_CASE("cycles: suggested by one click, the amount fader makes the character 
         return stays([&] { return w.head() == still; });
     });
     CHECK((w.head() - rest).norm() < 1e-4);
-    // And holds nothing any more, as one step.
+    // And holds nothing any more, which is undone with the take.
     waitFor([&] { return w.now().goals.size() == held; });
-    CHECK(w.document().session().steps().back().name == "release");
+    CHECK(w.document().session().steps().back().name == "record");
     w.trigger("undo");
+    CHECK(w.now().takes.empty());
     CHECK(w.now().goals.size() > held);
+    // What undo holds again is let go where all inputs are stopped.
+    w.trigger("let-go");
+    waitFor([&] { return w.now().goals.size() == held; });
 }
 
 TEST_CASE("cycles: speed runs it backwards and stops it, and letting everything go lets the faders go") {

@@ -33,6 +33,13 @@ public:
         if (outer_) document->session_.endGesture(named);
     }
 
+    /// See Session::endGestureInLast().
+    void commitInLast(const Session::Step& named) {
+        StudioDocument* document = std::exchange(document_, nullptr);
+        --document->gestures_;
+        if (outer_) document->session_.endGestureInLast(named);
+    }
+
 private:
     StudioDocument* document_;
     bool outer_;

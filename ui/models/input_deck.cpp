@@ -217,7 +217,7 @@ bool InputDeck::wantsKey(std::string_view key) const {
     if (!isKeyName(key)) return false;
     const KeyStick* stick = keyStick(key);
     const auto& rows = document_.document().mappings;
-    const bool performs = waits() == Waits::No || waits() == Waits::LetGo, solo = anySolo(document_.document());
+    const bool performs = waits() == Waits::No || waits() == Waits::LetGo || waits() == Waits::Take, solo = anySolo(document_.document());
     // Triggers act while inputs wait, too.
     const auto acts = [&](const InputMapping& m) { return !heardRow(m, solo).muted && (performs || m.target.starts_with("take/") || m.target.starts_with("trigger/")); };
     return std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
@@ -350,9 +350,8 @@ void InputDeck::takeMeters() {
 
 void InputDeck::takeHold() {
     if (!feed_ || waits_ != Waits::No || !document_.session().inputsWait() || document_.inGesture()) return;
-    const Session& session = document_.session();
     // Whoever takes back what inputs hold does not want it held again at once.
-    if (!holdsAnyway_ && session.position() < int(session.steps().size())) return wait(Waits::Undone);
+    if (!holdsAnyway_ && canRedo()) return wait(Waits::Undone);
     holdsAnyway_ = false;
     if (!document_.holdInputs()) wait(Waits::Refused);
 }
@@ -379,6 +378,12 @@ void InputDeck::letGo() {
     thread_.forget(kWindow);
     wait(Waits::LetGo);  // first: nothing more is given
     if (feed_) feed_->letGo();
+    else if (!document_.inGesture()) (void)document_.releaseInputs();
+}
+
+bool InputDeck::canRedo() const {
+    const Session& session = document_.session();
+    return session.position() < int(session.steps().size());
 }
 
 InputDeck::CycleFaders InputDeck::cycleFaders(const std::string& cycle) const {
@@ -392,7 +397,7 @@ void InputDeck::playCycle(const std::string& cycle, const CycleFaders& to) {
     // Who draws a fader up wants to see it move.
     if (to.amount != 0.0) {
         holdsAnyway_ = true;
-        if (waits_ != Waits::No) goOn();
+        if (waits_ != Waits::No || takeShown_) goOn();
     }
     if (!std::exchange(speaks_, true)) {
         follow();
@@ -422,16 +427,18 @@ void InputDeck::dropFaders() {
 
 void InputDeck::goOn() {
     // What was let go meanwhile was not given: a new feed begins from what controls say now.
-    const bool missed = waits_ == Waits::Undone || waits_ == Waits::Refused;
+    const bool missed = !feed_;
     holdsAnyway_ = true;
     wait(Waits::No);
+    if (deck_.shown() && !deck_.recording()) deck_.leave();
     if (missed) follow();
 }
 
 void InputDeck::tell() {
     takeMeters();
     takeHold();  // a gesture may have been in the way when the last step was made
-    if (feed_ && !document_.inGesture()) document_.releaseInputs();
+    // What was taken back may be done again, unless somebody says otherwise.
+    if (feed_ && !document_.inGesture() && (waits_ == Waits::LetGo || !canRedo()) && document_.inputsLeft() && document_.releaseInputs()) follow();
     const bool rate = !rated_.isValid() || rated_.elapsed() >= kRateMs;
     const double seconds = rated_.isValid() ? 1e-3 * double(rated_.elapsed()) : 1.0;
     if (rate) rated_.start();

@@ -127,6 +127,7 @@ private:
     void takeHold();
     void tell();
     void wait(Waits why);
+    [[nodiscard]] bool canRedo() const;
     /// A row let it happen.
     void happen(const MappedTarget& what);
     void sayFaders(const std::string& cycle, const CycleFaders& faders);

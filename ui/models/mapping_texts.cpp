@@ -99,7 +99,7 @@ TargetText targetText(const Document& document, const std::string& target) {
         case TargetKind::StopTake:
         case TargetKind::LetGo:
             said.trigger = true;
-            said.thing = found->kind == TargetKind::LetGo ? MappingTexts::tr("Let everything go") : triggerText(QString::fromStdString(document.takes.at(found->take)->name), found->kind == TargetKind::PlayTake);
+            said.thing = found->kind == TargetKind::LetGo ? MappingTexts::tr("Stop every input") : triggerText(QString::fromStdString(document.takes.at(found->take)->name), found->kind == TargetKind::PlayTake);
             return said;
         case TargetKind::Pose: said.thing = MappingTexts::tr("Pose “%1”", "a kept pose").arg(QString::fromStdString(keptPoses(document)[found->pose].name)); break;
         case TargetKind::CycleAmount:
@@ -221,7 +221,7 @@ std::vector<DrivenThing> drivenThings(const Document& document) {
     DrivenThing happens{MappingTexts::tr("Triggers"), QStringLiteral("play"), {}};
     for (const auto& [id, take] : document.takes)
         for (const bool plays : {true, false}) happens.numbers.emplace_back(triggerText(QString::fromStdString(take->name), plays), "take/" + take->name + (plays ? "/play" : "/stop"));
-    happens.numbers.emplace_back(MappingTexts::tr("Let everything go"), "trigger/let-go");
+    happens.numbers.emplace_back(MappingTexts::tr("Stop every input"), "trigger/let-go");
     if (!things.empty()) things.push_back(std::move(happens));
     return things;
 }

@@ -182,14 +182,14 @@ bool StudioDocument::holdInputs() {
     return true;
 }
 
-void StudioDocument::releaseInputs() {
-    if (!session_.inputsLeft()) return;
+bool StudioDocument::releaseInputs() {
     Gesture gesture(*this);
     if (const auto released = session_.releaseInputs(); !released) {
         Q_EMIT failed(errorText(released.error()));
-        return;
+        return false;
     }
-    gesture.commit({"release", {}});
+    gesture.commitInLast({"release", {}});
+    return true;
 }
 
 // One event at a time, however fast steps follow each other.

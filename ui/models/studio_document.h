@@ -79,8 +79,10 @@ public:
     void performOutputs(SendingThread* to) { session_.performOutputs(to); }
     /// Takes hold of what inputs move, as one step. False: it could not, and failed() said why.
     bool holdInputs();
-    /// Lets go what they hold and do not move any more, as one step: see Session::inputsLeft().
-    void releaseInputs();
+    /// See Session::inputsLeft().
+    [[nodiscard]] bool inputsLeft() { return session_.inputsLeft(); }
+    /// Lets go what they hold and do not move any more, with the step that took hold of it or recorded it, if that is the last one. False: it failed.
+    bool releaseInputs();
     /// One frame more: steps the session by `seconds` and measures it.
     void stepFrame(double seconds);
     /// Milliseconds that an effect, and stepping altogether, take in a frame: smoothed over some frames, those of the last ones where nothing moves now.

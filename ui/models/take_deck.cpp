@@ -240,7 +240,8 @@ void TakeDeck::stopRecording() {
         forgetSpan();
         time_ = made->duration();
         exact_ = true;
-        if (!answer->at("whole").get<bool>()) Q_EMIT said(tr("The recording ended early: the character changed meanwhile, or the take was full."));
+        if (answer->at("whole").get<bool>()) Q_EMIT recorded(QString::fromStdString(made->name), made->duration());
+        else Q_EMIT said(tr("The recording ended early: the character changed meanwhile, or the take was full."));
     }
     Q_EMIT changed();
 }

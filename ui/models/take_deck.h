@@ -66,6 +66,8 @@ public:
 
 Q_SIGNALS:
     void changed();  ///< the chosen take, its time, playing or recording
+    /// A take is there now, of so many seconds.
+    void recorded(const QString& take, double seconds);
     void said(const QString& text);  ///< worth a line: one translated sentence
 
 private:

@@ -177,6 +177,13 @@ void CyclesPanel::suggest() {
     if (answer) choose(QString::fromStdString(answer->at("cycles").front().get<std::string>()));
 }
 
+void CyclesPanel::begin() {
+    const auto& cycles = cyclesOf(document_.document());
+    if (cycles.empty() || std::ranges::any_of(cycles, [this](const Cycle& cycle) { return inputs_.cycleFaders(cycle.name).amount != 0.0; })) return;
+    if (chosen().isEmpty()) choose(QString::fromStdString(cycles.front().name));
+    amount_->setValue(kWholeCycle / 2);
+}
+
 void CyclesPanel::makeNew() {
     std::vector<std::string> poses;
     for (const QString& pose : poses_) poses.push_back(pose.toStdString());

@@ -27,6 +27,8 @@ public:
     [[nodiscard]] QString chosen() const;  ///< empty: none
     /// Makes cycles that suit the skeleton, by names in the language of the window, and chooses the first.
     void suggest();
+    /// Half of the chosen one, or of the first, runs at once, unless one runs already.
+    void begin();
 
 protected:
     void changeEvent(QEvent* event) override;

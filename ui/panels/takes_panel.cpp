@@ -246,8 +246,12 @@ void TakesPanel::follow() {
     if (recording) {
         clock_->setText(tr("%1 · %2 · frame %3", "take, time, frame").arg(QString::fromStdString(recording->take), clockText(recording->seconds), locale.toString(qulonglong(recording->frames))));
     } else if (take) {
-        clock_->setText(tr("%1 / %2 · frame %3 of %4", "time, length, frame, frames")
-                            .arg(clockText(deck_.time()), clockText(take->duration()), locale.toString(deck_.frame() + 1), locale.toString(qulonglong(take->times.size()))));
+        const auto at = [&](double time, qulonglong frame) {
+            return tr("%1 / %2 · frame %3 of %4", "time, length, frame, frames").arg(clockText(time), clockText(take->duration()), locale.toString(frame), locale.toString(qulonglong(take->times.size())));
+        };
+        clock_->setText(at(deck_.time(), qulonglong(deck_.frame() + 1)));
+        // As wide as at the end of the take: what is beside it stays where it is while it plays.
+        clock_->setMinimumWidth(std::max(px(130), clock_->fontMetrics().horizontalAdvance(at(take->duration(), take->times.size())) + px(8)));
     } else {
         clock_->clear();
     }

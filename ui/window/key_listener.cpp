@@ -86,7 +86,7 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
             if (!held && !takes(key, name)) break;
             if (!held && !key.isAutoRepeat()) {  // a key that was down before is no press
                 held_.push_back(name);
-                if (inputs_.waits() == InputDeck::Waits::LetGo) inputs_.goOn();  // who presses a key again means it
+                if (inputs_.waits() == InputDeck::Waits::LetGo || inputs_.waits() == InputDeck::Waits::Take) inputs_.goOn();  // who presses a key again means it
                 KeyBoard::say(name, true);
             }
             return true;

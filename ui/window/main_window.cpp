@@ -40,6 +40,7 @@
 #include "ui/panels/issues_panel.h"
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/poses_panel.h"
+#include "ui/panels/takes_panel.h"
 #include "ui/viewport/pose_pictures.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
@@ -217,6 +218,12 @@ void MainWindow::connectDocument() {
         });
     });
     connect(deck_, &TakeDeck::said, this, warning);
+    connect(deck_, &TakeDeck::recorded, this, [this](const QString& take, double seconds) {
+        messages().offer(tr("Recorded “%1”, %2 s").arg(take, QLocale().toString(seconds, 'f', 1)), tr("Play"), [this] {
+            StudioDocks::raise(takes());
+            deck_->setPlaying(true);
+        });
+    });
 }
 
 void MainWindow::connectFiles() {

@@ -266,7 +266,9 @@ void MainWindow::connectLiveActions() {
     onSettled("move-by-itself", [this] {
         showStart(false);
         StudioDocks::raise(docks_->poses());
-        if (cyclesOf(document_.document()).empty()) docks_->poses().cycles()->suggest();
+        CyclesPanel& cycles = *docks_->poses().cycles();
+        if (cyclesOf(document_.document()).empty()) cycles.suggest();
+        cycles.begin();
     });
     on("let-go", [this] { inputs_->letGo(); });
     for (const auto& [action, protocol] : {std::pair("suggest-keys", InputProtocol::Keys), std::pair("suggest-pad", InputProtocol::Pad), std::pair("suggest-vmc", InputProtocol::Vmc), std::pair("suggest-voice", InputProtocol::Voice)})

@@ -80,6 +80,7 @@ void StatusStrip::setLatency(const LatencyMeter::Latency& latency) {
     const QLocale locale;
     const auto ms = [&](double value) { return locale.toString(value, 'f', 0); };
     const bool first = latency_->text().isEmpty();
+    latencyNow_ = latency;
     latency_->setText(tr("latency %1 ms").arg(ms(latency.medianMs)));
     latency_->setToolTip(tr("From an input (mouse, controller, network) to its picture on the screen: median %1 ms, 99th percentile %2 ms").arg(ms(latency.medianMs), ms(latency.p99Ms)));
     if (first) update();
@@ -185,6 +186,7 @@ void StatusStrip::resizeEvent(QResizeEvent* event) {
 void StatusStrip::changeEvent(QEvent* event) {
     QWidget::changeEvent(event);
     if (event->type() != QEvent::LanguageChange) return;
+    if (!latency_->text().isEmpty()) setLatency(LatencyMeter::Latency(latencyNow_));
     warnings_ = 0;
     showWarnings();
     update();

@@ -51,6 +51,7 @@ private:
     QLabel* ms_;
     QLabel* fps_;
     QLabel* latency_;        ///< empty: not measured yet
+    LatencyMeter::Latency latencyNow_;
     QString busy_;
     double lastMs_ = -1.0, lastFps_ = 0.0;
     bool scheduled_ = false;

@@ -112,7 +112,7 @@ constexpr Row kRows[] = {
     {"duplicate-take", "duplicate", QT_TRANSLATE_NOOP("Actions", "&Duplicate the take"), ""},
     {"remove-take", "trash", QT_TRANSLATE_NOOP("Actions", "Remove the take"), ""},
     {"live-inputs", "live", QT_TRANSLATE_NOOP("Actions", "L&ive inputs"), "Shift+L"},
-    {"let-go", "let-go", QT_TRANSLATE_NOOP("Actions", "Let ever&ything go"), "Shift+Esc"},
+    {"let-go", "let-go", QT_TRANSLATE_NOOP("Actions", "Stop ever&y input"), "Shift+Esc"},
     {"suggest-keys", "keyboard", QT_TRANSLATE_NOOP("Actions", "Map the &keyboard"), ""},
     {"suggest-pad", "live", QT_TRANSLATE_NOOP("Actions", "Map a game &controller"), ""},
     {"suggest-vmc", "live", QT_TRANSLATE_NOOP("Actions", "Map a body and a face by &VMC"), ""},

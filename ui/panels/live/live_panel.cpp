@@ -105,7 +105,10 @@ LivePanel::LivePanel(StudioDocument& document, InputDeck& inputs, OutputDeck& ou
     connect(&inputs, &InputDeck::learned, view_, &MappingView::choose);
     connect(&inputs, &InputDeck::changed, this, &LivePanel::follow);
     connect(&inputs, &InputDeck::told, this, &LivePanel::follow);
-    connect(&document, &StudioDocument::structureChanged, this, &LivePanel::follow);
+    connect(&document, &StudioDocument::structureChanged, this, [this](const DocumentChange& change) {
+        if (change.unknown) view_->choose(-1);  // another project
+        follow();
+    });
     connect(&deck, &TakeDeck::changed, this, &LivePanel::follow);
     connect(actions["record"], &QAction::changed, this, &LivePanel::follow);
     connect(&Appearance::instance(), &Appearance::changed, this, &LivePanel::takeSizes);
@@ -124,10 +127,10 @@ QString LivePanel::guide() const {
     const bool heard = std::any_of(inputs_.sources().begin(), inputs_.sources().end(), [](const InputDeck::Source& s) { return s.open && (s.heard.counts.packets > 0 || !s.heard.device.empty()); });
     if (!inputs_.listens()) return inputs_.anythingPlugged() ? tr("Learn: choose what is to move, press Learn, and move a control.") : tr("Plug: plug in a game controller or a MIDI device, or switch on a source on the left and let a program send to its port. Without any, press Learn and then a key of the keyboard.");
     switch (inputs_.waits()) {
-        case InputDeck::Waits::LetGo: return tr("Everything was let go. Inputs move nothing until you continue.");
+        case InputDeck::Waits::LetGo: return tr("Inputs are stopped. Press a mapped key or Continue, and they go on.");
         case InputDeck::Waits::Undone: return tr("What inputs held was undone. They move nothing until you continue.");
         case InputDeck::Waits::Refused: return tr("Inputs could not take hold of the character. They move nothing until you continue.");
-        case InputDeck::Waits::Take: return tr("A take is shown. Leave it, and inputs move the character.");
+        case InputDeck::Waits::Take: return tr("A take is shown. Press a mapped key or Continue, and inputs move the character.");
         case InputDeck::Waits::NoCharacter: return tr("There is no character to perform yet. Open a sample, or make a mesh soft.");
         case InputDeck::Waits::No: break;
     }
@@ -142,13 +145,14 @@ void LivePanel::follow() {
     const QString text = guide();
     if (guide_->text() != text) guide_->setText(text);
     const auto waits = inputs_.waits();
-    goOn_->setVisible(inputs_.listens() && (waits == InputDeck::Waits::LetGo || waits == InputDeck::Waits::Undone || waits == InputDeck::Waits::Refused));
+    goOn_->setVisible(inputs_.listens() && waits != InputDeck::Waits::No && waits != InputDeck::Waits::NoCharacter);
     letGo_->setEnabled(actions_["let-go"]->isEnabled());
 }
 
 void LivePanel::followRow() {
     const int row = view_->chosen();
-    if (const InputMapping* m = model_->mapping(row)) chosen_ = *m;
+    const InputMapping* m = model_->mapping(row);
+    chosen_ = m ? *m : InputMapping();
     form_->show(row);
     right_->setVisible(row >= 0);
     up_->setEnabled(row > 0);
@@ -182,7 +186,7 @@ void LivePanel::retranslate() {
     for (QToolButton* b : {up_, down_, remove_, suggest_}) b->setAccessibleName(b->toolTip());
     goOn_->setText(tr("Continue"));
     const QString keys = actions_["let-go"]->shortcut().toString(QKeySequence::NativeText);
-    letGo_->setText(keys.isEmpty() ? tr("Let everything go") : QStringLiteral("%1  (%2)").arg(tr("Let everything go"), keys));
+    letGo_->setText(keys.isEmpty() ? tr("Stop every input") : QStringLiteral("%1  (%2)").arg(tr("Stop every input"), keys));
     letGo_->setToolTip(tr("Everything that inputs move glides to rest, and they move nothing more until you continue."));
     model_->refresh();
     followRow();

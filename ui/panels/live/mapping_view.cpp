@@ -4,6 +4,7 @@
 #include <QApplication>
 #include <QHeaderView>
 #include <QKeyEvent>
+#include <QMouseEvent>
 #include <QPainter>
 #include <QStyledItemDelegate>
 #include <algorithm>
@@ -116,7 +117,6 @@ MappingView::MappingView(MappingModel& model, QWidget* parent) : QTableView(pare
     header->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);
     header->setMinimumSectionSize(0);
     header->setSectionResizeMode(QHeaderView::Fixed);
-    connect(this, &QTableView::clicked, this, [this](const QModelIndex& index) { model_.toggle(index); });
     connect(&Appearance::instance(), &Appearance::changed, this, &MappingView::takeSizes);
     takeSizes();
 }
@@ -167,8 +167,17 @@ bool MappingView::event(QEvent* event) {
     return QTableView::event(event);
 }
 
+// A row that is chosen by a click opens its form, which moves what is under the pointer: a click that mutes chooses nothing. One beside the rows closes the form.
+void MappingView::mousePressEvent(QMouseEvent* event) {
+    const QModelIndex index = indexAt(event->position().toPoint());
+    if (event->button() == Qt::LeftButton && index.isValid() && index.column() >= Column::Mute) return model_.toggle(index);
+    if (!index.isValid()) return choose(-1);
+    QTableView::mousePressEvent(event);
+}
+
 void MappingView::keyPressEvent(QKeyEvent* event) {
     if (removes(*event)) return Q_EMIT removeWanted();
+    if (event->key() == Qt::Key_Escape && chosen() >= 0) return choose(-1);
     if (event->modifiers() == Qt::AltModifier && (event->key() == Qt::Key_Up || event->key() == Qt::Key_Down)) return Q_EMIT moveWanted(event->key() == Qt::Key_Up ? -1 : 1);
     if ((event->key() == Qt::Key_Space || event->key() == Qt::Key_Return) && currentIndex().column() >= Column::Mute) return model_.toggle(currentIndex());
     QTableView::keyPressEvent(event);

@@ -7,7 +7,7 @@
 
 namespace imomushi {
 
-/// The table of mappings: a meter in each row; muting and solo by a click. Delete removes the chosen row, Alt with the arrow keys moves it.
+/// The table of mappings: a meter in each row; muting and solo by a click. Delete removes the chosen row, Alt with the arrow keys moves it; Escape, and a click beside the rows, chooses none.
 class MappingView : public QTableView {
     Q_OBJECT
 public:
@@ -22,6 +22,7 @@ signals:
 
 protected:
     void keyPressEvent(QKeyEvent* event) override;
+    void mousePressEvent(QMouseEvent* event) override;
     bool event(QEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     void currentChanged(const QModelIndex& current, const QModelIndex& previous) override;
