@@ -79,7 +79,8 @@ std::span<const LiveInput> InputDriver::step(double seconds) {
     }
     const auto carried = [&](const Turned& t) {
         const Driven& end = driven_[t.end];
-        return (t.start >= 0 && driven_[static_cast<std::size_t>(t.start)].moved) || (poses_ && (end.moved || end.byHand));
+        const Driven* start = t.start >= 0 ? &driven_[static_cast<std::size_t>(t.start)] : nullptr;
+        return (start && (start->moved || (poses_ && start->byHand))) || (poses_ && (end.moved || end.byHand));
     };
     if (turns || std::ranges::any_of(turned_, carried)) {
         turnAll();
@@ -334,8 +335,9 @@ void InputDriver::hold(const LiveInput& held) {
     for (Driven& driven : driven_) {
         LiveInput& input = driven.input;
         if (!input.sameTarget(held)) continue;
+        if (driven.byHand) input.target = held.target, turnAll();  // it may have let go elsewhere than where it was told last
         const bool byHand = std::exchange(driven.byHand, false);
-        if (byHand) leaveLimb(driven, held.target);
+        if (byHand) leaveLimb(driven, held.target), turnAll();
         driven.held = true;
         // What only poses move was taken hold of where it is, and goes on by them.
         const auto restarts = [&](int slot) { return slot >= 0 && (byHand || !driven.posed || mapper_.winner(slot) >= 0); };

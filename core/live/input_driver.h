@@ -144,7 +144,7 @@ private:
     /// Where forward kinematics has it, with and without poses.
     void turn(Turned& bone);
     void turnAll();
-    /// Bends a limb so that its end comes where rows place it. Bones that rows turn or place themselves, and what is above them, stay.
+    /// Bends a limb so that its end comes where rows place it or a hand has it. Bones that rows turn or place themselves, and what is above them, stay.
     void lead(const Limb& limb);
     /// Gives its end where it is.
     void follow(Turned& bone);

@@ -116,7 +116,6 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
         if (what->changesDocument() && (posed || change.document.effects)) live_->leaveTake();
         if (change.structure() || change.responses) responses_.refresh();
         if (what->changesDocument() && !forInputs_) leaveToArtist(change.document);
-        else if (historyMoved_) seeHeldAgain();
     } catch (const std::bad_alloc&) {
         live_->drop();
     }
@@ -348,7 +347,7 @@ bool Session::give(const LiveInput& input) {
     InputFeed* feed = performer_->feed();
     const LiveInput held = feed ? asDriven(plan(), input) : input;
     followHeld();
-    for (auto* list : {&heldForInputs_, &leftByInputs_}) std::erase_if(*list, [&](const HeldForInputs& known) { return known.input.sameTarget(held); });  // the artist's, from now on
+    std::erase_if(heldForInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(held); });  // the artist's, from now on
     if (!feed) return true;
     const auto known = std::ranges::find_if(byHand_, [&](const LiveInput& k) { return k.sameTarget(held); });
     if (known == byHand_.end()) byHand_.push_back(held);
@@ -399,14 +398,14 @@ Result<bool> Session::holdInputs() {
         seen.push_back(*refused);
         IMOMUSHI_TRY(const auto hold, takingHoldOf(*this, *refused));
         if (!hold) continue;
-        forInputs_ = true;
-        const auto done = execute(hold->command);
-        forInputs_ = false;
-        if (!done) return tl::unexpected(done.error());
+        const int since = position() + 1;
+        if (auto done = executeForInputs(hold->command); !done) return tl::unexpected(done.error());
         if (refused->kind == LiveInput::Kind::Morph) history_.passesOn(refused->morph);
         if (refused->kind == LiveInput::Kind::Effect) history_.effectsPassOn();
-        const bool known = std::ranges::any_of(heldForInputs_, [&](const HeldForInputs& k) { return k.input.sameTarget(*refused); });
-        if (!refused->isNumber() && !known) heldForInputs_.push_back({*refused, refused->kind == LiveInput::Kind::Handle ? plan().handles[static_cast<std::size_t>(refused->handle)] : FaceRef()});
+        if (!refused->isNumber()) {
+            std::erase_if(heldForInputs_, [&](const HeldForInputs& known) { return known.since > since || known.input.sameTarget(*refused); });
+            heldForInputs_.push_back({*refused, refused->kind == LiveInput::Kind::Handle ? plan().handles[static_cast<std::size_t>(refused->handle)] : FaceRef(), since});
+        }
         held = true;
         feed = performer_->feed();
         if (feed) (void)feed->hold(hold->held);
@@ -420,32 +419,34 @@ bool Session::inputsLeft() {
     if (std::exchange(lookedAt_, performer_->frame().step) == performer_->frame().step) return false;
     const ParkedPerformer parked(performer_.get());
     followHeld();
-    return std::ranges::any_of(heldForInputs_, [&](const HeldForInputs& held) { return !feed->driver().moves(held.input); });
+    return std::ranges::any_of(heldForInputs_, [&](const HeldForInputs& held) { return !feed->driver().moves(held.input) && !releasing(held).is_null(); });
 }
 
 void Session::followHeld() {
-    for (auto* list : {&heldForInputs_, &leftByInputs_})
-        std::erase_if(*list, [this](HeldForInputs& held) {
-            if (held.input.kind == LiveInput::Kind::Handle) held.input.handle = plan().handleIndex(held.handle);
-            return held.input.kind == LiveInput::Kind::Handle && held.input.handle < 0;
-        });
+    std::erase_if(heldForInputs_, [this](HeldForInputs& held) {
+        if (held.input.kind == LiveInput::Kind::Handle) held.input.handle = plan().handleIndex(held.handle);
+        return held.input.kind == LiveInput::Kind::Handle && held.input.handle < 0;
+    });
 }
+
+Json Session::releasing(const HeldForInputs& held) const { return position() < held.since && !history_.inGesture() ? Json() : releasingOf(*this, held.input); }
 
 void Session::leaveToArtist(const DocumentChange& change) {
-    if (change.goals.empty() && change.handleGoals.empty()) return;
-    for (auto* list : {&heldForInputs_, &leftByInputs_})
-        std::erase_if(*list, [&](const HeldForInputs& held) {
-            if (held.input.kind == LiveInput::Kind::Handle) return change.handleGoals.contains(held.handle);
-            const int point = plan().pointIndex(held.input.end);
-            return std::ranges::any_of(change.goals, [&](const auto& goal) { return plan().pointIndex(goal.first) == point; });
-        });
+    const int before = history_.inGesture() ? position() : position() - 1;  // this command's step
+    std::erase_if(heldForInputs_, [&](const HeldForInputs& held) {
+        if (held.since > before) return true;  // the step that held it was undone, and is no more
+        if (held.input.kind == LiveInput::Kind::Handle) return change.handleGoals.contains(held.handle);
+        const int point = plan().pointIndex(held.input.end);
+        return std::ranges::any_of(change.goals, [&](const auto& goal) { return plan().pointIndex(goal.first) == point; });
+    });
 }
 
-void Session::seeHeldAgain() {
-    followHeld();
-    for (const HeldForInputs& left : leftByInputs_)
-        if (std::ranges::none_of(heldForInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(left.input); })) heldForInputs_.push_back(left);
-    std::erase_if(heldForInputs_, [this](const HeldForInputs& held) { return releasingOf(*this, held.input).is_null(); });
+Result<void> Session::executeForInputs(const Json& command) {
+    forInputs_ = true;
+    const auto done = execute(command);
+    forInputs_ = false;
+    if (!done) return tl::unexpected(done.error());
+    return {};
 }
 
 Result<void> Session::releaseInputs() {
@@ -454,20 +455,11 @@ Result<void> Session::releaseInputs() {
     const ParkedPerformer parked(performer_.get());
     followHeld();
     std::vector<Json> commands;
-    std::erase_if(heldForInputs_, [&](const HeldForInputs& held) {
-        if (feed && feed->driver().moves(held.input)) return false;
-        if (Json command = releasingOf(*this, held.input); !command.is_null()) {
-            commands.push_back(std::move(command));
-            if (std::ranges::none_of(leftByInputs_, [&](const HeldForInputs& known) { return known.input.sameTarget(held.input); })) leftByInputs_.push_back(held);
-        }
-        return true;
-    });
-    for (const Json& command : commands) {
-        forInputs_ = true;
-        const auto done = execute(command);
-        forInputs_ = false;
-        if (!done) return tl::unexpected(done.error());
-    }
+    for (const HeldForInputs& held : heldForInputs_)
+        if (!feed || !feed->driver().moves(held.input))
+            if (Json command = releasing(held); !command.is_null()) commands.push_back(std::move(command));
+    for (const Json& command : commands)
+        if (auto done = executeForInputs(command); !done) return done;
     return {};
 }
 
@@ -582,7 +574,6 @@ void SessionAccess::replace(Project project, std::filesystem::path path, bool sa
     session.historyMoved_ = true;
     live.replace();
     session.heldForInputs_.clear();
-    session.leftByInputs_.clear();
     session.pendingChange_.replaced = session.pendingChange_.pose = session.pendingChange_.responses = session.pendingChange_.file = true;
 }
 

@@ -201,14 +201,15 @@ private:
     struct HeldForInputs {
         LiveInput input;
         FaceRef handle;  // of one: its number in the plan may be another one by now
+        int since = 0;   // the position in the history from which on inputs hold it
     };
-    std::vector<HeldForInputs> heldForInputs_;  // ends and handles that holdInputs() grabbed
-    std::vector<HeldForInputs> leftByInputs_;   // what it grabbed and releaseInputs() let go: undo may hold it again
+    std::vector<HeldForInputs> heldForInputs_;  // ends and handles that holdInputs() grabbed and nobody else since; let go or undone they stay, as undo and redo hold them again
     bool forInputs_ = false;                    // a command of holdInputs() or releaseInputs()
+    Result<void> executeForInputs(const Json& command);
+    /// The command that lets it go. Null: it is not held, or not by inputs yet at this place of the history.
+    [[nodiscard]] Json releasing(const HeldForInputs& held) const;
     /// What else takes hold of something that inputs held, or lets it go, has it from now on.
     void leaveToArtist(const DocumentChange& change);
-    /// Undo or redo may hold again what inputs held.
-    void seeHeldAgain();
     /// They are called as the plan calls them now.
     void followHeld();
     std::uint64_t lookedAt_ = 0;            // the step at which inputsLeft() looked last

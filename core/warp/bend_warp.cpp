@@ -336,7 +336,7 @@ struct BendWarp::State {
 
     // To the volume that the linear response says, if it is off by more than this part. The ways of vertices are in the displacement.
     bool grow(double error) {
-        const double wanted = t.volume * std::exp(std::clamp(t.volumeChange.dot(v) / t.volume, -1.0, 1.0)), most = kMaxInflation * std::cbrt(t.volume);
+        const double wanted = wantedVolume(), most = kMaxInflation * std::cbrt(t.volume);
         const VolumeCurve curve = volumeCurve(t.surface.data(), t.surface.size(), floats(at), floats(displacement));
         if (!(curve.slope * most > 1e-6 * t.volume) || !(std::abs(wanted - curve.volume) > error * t.volume)) return false;
         double by = 0.0;

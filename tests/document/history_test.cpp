@@ -152,7 +152,7 @@ TEST_CASE("history: what is done in the step of live input before is undone with
     CHECK(!added(release));
     CHECK(w.session.steps().back().name == "release");
     gesture([&] { drag(0.4); }, "live");
-    w.good({{"do", "save"}, {"path", "saved.imomushi"}});
+    w.good({{"do", "save"}, {"path", (Workbench::folder() / "joined.imomushi").string()}});
     CHECK(!added(release));
     gesture([&] { drag(0.1); }, "live");
     drag(0.5);

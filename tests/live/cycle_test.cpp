@@ -2,6 +2,7 @@
 // Cycles through kept poses that controls drive.
 #include "core/document/cycle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -323,9 +324,7 @@ TEST_CASE("cycle: the limb goes along with a hand that holds its end, and goes o
     for (InputDriver* driver : {&alone, &held}) REQUIRE(driver->take(valueOf("face", "much", {1.0})));
     step(30);
     LiveInput hand;
-    hand.end = plan.points.begin()->first;
-    for (const auto& [end, point] : plan.points)
-        if (point == tip) hand.end = end;
+    hand.end = std::ranges::find_if(plan.points, [&](const auto& p) { return p.second == tip; })->first;
     const Vec3 from = places[tip];
     for (int i = 1; i <= 60; ++i) {
         hand.target = from + i / 60.0 * Vec3(0.0, 0.5, -0.2);
@@ -351,6 +350,29 @@ TEST_CASE("cycle: the limb goes along with a hand that holds its end, and goes o
         before = places;
     }
     for (const auto& [point, place] : places) CHECK((place - left.at(point)).norm() < 0.02);
+}
+
+TEST_CASE("cycle: where a drag is given up and its end is back where it was, no bone of the limb is torn") {
+    Dancer d;
+    const CharacterPlan& plan = d.session.plan();
+    const int tip = plan.pointIndex(*d.session.document().endpoint("b/end"));
+    InputDriver alone = d.driver(), held = d.driver();
+    for (InputDriver* driver : {&alone, &held}) REQUIRE(driver->take(valueOf("face", "much", {1.0})));
+    auto shown = after(alone, plan, 30).places, places = after(held, plan, 30).places;
+    LiveInput hand;
+    hand.end = std::ranges::find_if(plan.points, [&](const auto& p) { return p.second == tip; })->first;
+    const Vec3 from = places[tip];
+    for (int i = 1; i <= 20; ++i) {
+        hand.target = from + i / 20.0 * Vec3(0.4, 0.5, -0.3);
+        held.giveToHand(hand);
+        (void)held.step(kStep);
+    }
+    hand.target = from;
+    held.hold(hand);
+    for (const auto& [point, place] : after(held, plan, 1).places) places[point] = place;
+    for (const auto& [point, place] : after(alone, plan, 21).places) shown[point] = place;
+    CHECK((places[tip] - from).norm() < 0.06);
+    for (const auto& b : plan.input.skeleton.bones) CHECK((places[b.end] - places[b.start]).norm() == doctest::Approx((shown[b.end] - shown[b.start]).norm()).epsilon(0.05));
 }
 
 TEST_CASE("cycle: a control that says there is nothing of it holds no bone") {

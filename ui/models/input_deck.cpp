@@ -213,19 +213,33 @@ bool InputDeck::canLearn() const {
     return anythingPlugged() || std::any_of(sources_.begin(), sources_.end(), [](const Source& s) { return s.protocol == InputProtocol::Keys && s.on; });
 }
 
-bool InputDeck::wantsKey(std::string_view key) const {
-    if (!isKeyName(key)) return false;
+bool InputDeck::hasKey(std::string_view key, const std::function<bool(const InputMapping&)>& acts) const {
     const KeyStick* stick = keyStick(key);
     const auto& rows = document_.document().mappings;
-    const bool performs = waits() == Waits::No || waits() == Waits::LetGo || waits() == Waits::Take, solo = anySolo(document_.document());
+    return rows && std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
+               return s.protocol == InputProtocol::Keys && s.open && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) {
+                          return m.row.source == s.name && (m.row.channel == key || (stick && m.row.channel == stick->name)) && acts(m);
+                      });
+           });
+}
+
+namespace {
+
+bool isTrigger(const InputMapping& m) { return m.target.starts_with("take/") || m.target.starts_with("trigger/"); }
+
+}  // namespace
+
+bool InputDeck::wantsKey(std::string_view key) const {
+    if (!isKeyName(key)) return false;
+    if (learning()) return std::any_of(sources_.begin(), sources_.end(), [](const Source& s) { return s.protocol == InputProtocol::Keys && s.open; });
+    const bool performs = waits() == Waits::No || waits() == Waits::LetGo, solo = anySolo(document_.document());
     // Triggers act while inputs wait, too.
-    const auto acts = [&](const InputMapping& m) { return !heardRow(m, solo).muted && (performs || m.target.starts_with("take/") || m.target.starts_with("trigger/")); };
-    return std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
-        if (s.protocol != InputProtocol::Keys || !s.open) return false;
-        return learning() || (rows && std::any_of(rows->begin(), rows->end(), [&](const InputMapping& m) {
-                                  return m.row.source == s.name && acts(m) && (m.row.channel == key || (stick && m.row.channel == stick->name));
-                              }));
-    });
+    return hasKey(key, [&](const InputMapping& m) { return !heardRow(m, solo).muted && (performs || isTrigger(m)); });
+}
+
+bool InputDeck::drivesByKey(std::string_view key) const {
+    const bool solo = anySolo(document_.document());
+    return isKeyName(key) && hasKey(key, [&](const InputMapping& m) { return !heardRow(m, solo).muted && !isTrigger(m); });
 }
 
 void InputDeck::setPort(std::size_t index, int port) {
@@ -377,8 +391,9 @@ void InputDeck::letGo() {
     faders_.clear();
     thread_.forget(kWindow);
     wait(Waits::LetGo);  // first: nothing more is given
+    letGoAt_ = document_.session().position();
     if (feed_) feed_->letGo();
-    else if (!document_.inGesture()) (void)document_.releaseInputs();
+    else if (!takeShown_ && !document_.inGesture()) (void)document_.releaseInputs();
 }
 
 bool InputDeck::canRedo() const {
@@ -427,18 +442,17 @@ void InputDeck::dropFaders() {
 
 void InputDeck::goOn() {
     // What was let go meanwhile was not given: a new feed begins from what controls say now.
-    const bool missed = !feed_;
     holdsAnyway_ = true;
     wait(Waits::No);
     if (deck_.shown() && !deck_.recording()) deck_.leave();
-    if (missed) follow();
+    if (!feed_) follow();
 }
 
 void InputDeck::tell() {
     takeMeters();
     takeHold();  // a gesture may have been in the way when the last step was made
-    // What was taken back may be done again, unless somebody says otherwise.
-    if (feed_ && !document_.inGesture() && (waits_ == Waits::LetGo || !canRedo()) && document_.inputsLeft() && document_.releaseInputs()) follow();
+    // What was taken back may be done again, unless all inputs were stopped since.
+    if (feed_ && !document_.inGesture() && (letGoAt_ == document_.session().position() || !canRedo()) && document_.inputsLeft() && document_.releaseInputs()) follow();
     const bool rate = !rated_.isValid() || rated_.elapsed() >= kRateMs;
     const double seconds = rated_.isValid() ? 1e-3 * double(rated_.elapsed()) : 1.0;
     if (rate) rated_.start();

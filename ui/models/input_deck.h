@@ -5,6 +5,7 @@
 #include <QObject>
 #include <QTimer>
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -81,6 +82,8 @@ public:
     [[nodiscard]] bool canLearn() const;
     /// A key of the keyboard (isKeyName()) drives something, or may be learned: it is to be given to KeyBoard::say(), and does nothing else.
     [[nodiscard]] bool wantsKey(std::string_view key) const;
+    /// A row that is heard and no trigger has this key, whether inputs wait or not.
+    [[nodiscard]] bool drivesByKey(std::string_view key) const;
 
     [[nodiscard]] Waits waits() const;
     /// Everything that inputs move glides to rest, and they move nothing more until goOn(). For panic.
@@ -128,6 +131,8 @@ private:
     void tell();
     void wait(Waits why);
     [[nodiscard]] bool canRedo() const;
+    /// A row of an open keyboard has this key, or the stick that it belongs to, and `acts`.
+    [[nodiscard]] bool hasKey(std::string_view key, const std::function<bool(const InputMapping&)>& acts) const;
     /// A row let it happen.
     void happen(const MappedTarget& what);
     void sayFaders(const std::string& cycle, const CycleFaders& faders);
@@ -149,6 +154,7 @@ private:
     std::vector<InputMeter> meters_;
     std::vector<std::size_t> triggers_;   // places in the document's table of rows that let something happen
     Waits waits_ = Waits::No;       // LetGo, Undone, Refused or No
+    std::optional<int> letGoAt_;  // the position in the history where all inputs were stopped last
     bool holdsAnyway_ = false;      // the artist went on after undoing
     bool takeShown_ = false, scheduled_ = false;
     bool speaks_ = false;           // the window plays cycles, or did

@@ -243,6 +243,7 @@ void TakesPanel::follow() {
         bar_->setTime(deck_.time());
     }
     const QLocale locale;
+    if (!take || recording) clock_->setRoomFor({});
     if (recording) {
         clock_->setText(tr("%1 · %2 · frame %3", "take, time, frame").arg(QString::fromStdString(recording->take), clockText(recording->seconds), locale.toString(qulonglong(recording->frames))));
     } else if (take) {
@@ -250,8 +251,7 @@ void TakesPanel::follow() {
             return tr("%1 / %2 · frame %3 of %4", "time, length, frame, frames").arg(clockText(time), clockText(take->duration()), locale.toString(frame), locale.toString(qulonglong(take->times.size())));
         };
         clock_->setText(at(deck_.time(), qulonglong(deck_.frame() + 1)));
-        // As wide as at the end of the take: what is beside it stays where it is while it plays.
-        clock_->setMinimumWidth(std::max(px(130), clock_->fontMetrics().horizontalAdvance(at(take->duration(), take->times.size())) + px(8)));
+        clock_->setRoomFor(at(take->duration(), take->times.size()));
     } else {
         clock_->clear();
     }

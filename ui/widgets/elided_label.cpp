@@ -3,6 +3,7 @@
 
 #include <QPainter>
 #include <QStyle>
+#include <algorithm>
 
 namespace imomushi {
 
@@ -11,6 +12,18 @@ ElidedLabel::ElidedLabel(QWidget* parent) : QLabel(parent) { setSizePolicy(QSize
 void ElidedLabel::setText(const QString& text) {
     QLabel::setText(text);
     setToolTip(text);
+}
+
+void ElidedLabel::setRoomFor(const QString& widest) {
+    if (widest == widest_) return;
+    widest_ = widest;
+    updateGeometry();
+}
+
+QSize ElidedLabel::sizeHint() const {
+    QSize size = QLabel::sizeHint();
+    if (!widest_.isEmpty()) size.setWidth(std::max(size.width(), fontMetrics().horizontalAdvance(widest_) + 2 * margin()));
+    return size;
 }
 
 void ElidedLabel::paintEvent(QPaintEvent*) {

@@ -11,9 +11,15 @@ class ElidedLabel : public QLabel {
 public:
     explicit ElidedLabel(QWidget* parent = nullptr);
     void setText(const QString& text);
+    /// It asks for as much width as for this text, whatever it says: what is beside it stays where it is.
+    void setRoomFor(const QString& widest);
+    [[nodiscard]] QSize sizeHint() const override;
 
 protected:
     void paintEvent(QPaintEvent* event) override;
+
+private:
+    QString widest_;
 };
 
 }  // namespace imomushi

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/key_listener.h"
 
+#include <QAbstractButton>
+#include <QAbstractItemView>
+#include <QAbstractSlider>
 #include <QAbstractSpinBox>
 #include <QApplication>
 #include <QComboBox>
@@ -53,7 +56,13 @@ KeyListener::KeyListener(QWidget& window, InputDeck& inputs, std::function<bool(
 
 bool KeyListener::takes(const QKeyEvent& key, const std::string& name) const {
     if (key.modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier | Qt::ShiftModifier)) return false;
-    return window_.isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget() && inputs_.wantsKey(name) && !typesWords() && !typing_();
+    return window_.isActiveWindow() && !QApplication::activeModalWidget() && !QApplication::activePopupWidget() && (inputs_.wantsKey(name) || leavesTake(name)) && !typesWords() && !typing_();
+}
+
+bool KeyListener::leavesTake(const std::string& name) const {
+    const QWidget* focus = QApplication::focusWidget();
+    const bool used = qobject_cast<const QAbstractSlider*>(focus) || qobject_cast<const QAbstractItemView*>(focus) || qobject_cast<const QAbstractButton*>(focus);
+    return inputs_.waits() == InputDeck::Waits::Take && !used && name != "space" && inputs_.drivesByKey(name);
 }
 
 bool KeyListener::endsLearning(const QKeyEvent& key) const {
@@ -86,7 +95,7 @@ bool KeyListener::eventFilter(QObject* watched, QEvent* event) {
             if (!held && !takes(key, name)) break;
             if (!held && !key.isAutoRepeat()) {  // a key that was down before is no press
                 held_.push_back(name);
-                if (inputs_.waits() == InputDeck::Waits::LetGo || inputs_.waits() == InputDeck::Waits::Take) inputs_.goOn();  // who presses a key again means it
+                if (leavesTake(name) || (inputs_.waits() == InputDeck::Waits::LetGo && inputs_.drivesByKey(name))) inputs_.goOn();  // who presses a key means it
                 KeyBoard::say(name, true);
             }
             return true;

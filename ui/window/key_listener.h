@@ -23,6 +23,8 @@ public:
 
 private:
     [[nodiscard]] bool takes(const QKeyEvent& key, const std::string& name) const;
+    /// A take is shown, and a key that drives something leaves it: not where the time bar, a list or a button has the focus, nor the key that plays and stops it.
+    [[nodiscard]] bool leavesTake(const std::string& name) const;
     [[nodiscard]] bool holds(const std::string& name) const;
     void letGo();
     /// While somebody learns, whatever has the focus.

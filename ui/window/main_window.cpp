@@ -219,8 +219,11 @@ void MainWindow::connectDocument() {
     });
     connect(deck_, &TakeDeck::said, this, warning);
     connect(deck_, &TakeDeck::recorded, this, [this](const QString& take, double seconds) {
-        messages().offer(tr("Recorded “%1”, %2 s").arg(take, QLocale().toString(seconds, 'f', 1)), tr("Play"), [this] {
+        messages().offer(tr("Recorded “%1”, %2 s").arg(take, QLocale().toString(seconds, 'f', 1)), tr("Play"), [this, take] {
+            const Take* recorded = document_.document().takeNamed(take.toStdString());
+            if (!recorded) return;
             StudioDocks::raise(takes());
+            deck_->choose(recorded->id);
             deck_->setPlaying(true);
         });
     });

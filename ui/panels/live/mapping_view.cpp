@@ -170,9 +170,14 @@ bool MappingView::event(QEvent* event) {
 // A row that is chosen by a click opens its form, which moves what is under the pointer: a click that mutes chooses nothing. One beside the rows closes the form.
 void MappingView::mousePressEvent(QMouseEvent* event) {
     const QModelIndex index = indexAt(event->position().toPoint());
-    if (event->button() == Qt::LeftButton && index.isValid() && index.column() >= Column::Mute) return model_.toggle(index);
+    switching_ = event->button() == Qt::LeftButton && index.isValid() && index.column() >= Column::Mute;
+    if (switching_) return model_.toggle(index);
     if (!index.isValid()) return choose(-1);
     QTableView::mousePressEvent(event);
+}
+
+void MappingView::mouseMoveEvent(QMouseEvent* event) {
+    if (!switching_ || !(event->buttons() & Qt::LeftButton)) QTableView::mouseMoveEvent(event);
 }
 
 void MappingView::keyPressEvent(QKeyEvent* event) {

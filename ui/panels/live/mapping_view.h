@@ -23,6 +23,7 @@ signals:
 protected:
     void keyPressEvent(QKeyEvent* event) override;
     void mousePressEvent(QMouseEvent* event) override;
+    void mouseMoveEvent(QMouseEvent* event) override;
     bool event(QEvent* event) override;
     void resizeEvent(QResizeEvent* event) override;
     void currentChanged(const QModelIndex& current, const QModelIndex& previous) override;
@@ -31,6 +32,7 @@ private:
     void takeSizes();
     void shareWidth();
     MappingModel& model_;
+    bool switching_ = false;  ///< the press was on a switch
 };
 
 }  // namespace imomushi
