@@ -12,7 +12,7 @@ namespace imomushi {
 namespace {
 
 constexpr std::size_t kMostFrames = 10'000;  // that become one line of a script: a few minutes
-constexpr std::size_t kMostInputs = 5'000;   // of that line: half a megabyte, which is made into a line between two steps
+constexpr std::size_t kMostInputs = 1'000;   // of that line: 100 kB, which is made into a line between two steps, of memory that the system need not clear first
 
 bool records(const Json& line, const char* action) { return line["do"] == "record" && line["action"] == action; }
 
