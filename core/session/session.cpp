@@ -432,9 +432,9 @@ void Session::followHeld() {
 Json Session::releasing(const HeldForInputs& held) const { return position() < held.since && !history_.inGesture() ? Json() : releasingOf(*this, held.input); }
 
 void Session::leaveToArtist(const DocumentChange& change) {
-    const int before = history_.inGesture() ? position() : position() - 1;  // this command's step
+    const int before = history_.inGesture() ? position() : position() - 1;  // where the history was before this command
     std::erase_if(heldForInputs_, [&](const HeldForInputs& held) {
-        if (held.since > before) return true;  // the step that held it was undone, and is no more
+        if (held.since > before) return true;  // the step in which inputs took hold of it was undone, and can be redone no more
         if (held.input.kind == LiveInput::Kind::Handle) return change.handleGoals.contains(held.handle);
         const int point = plan().pointIndex(held.input.end);
         return std::ranges::any_of(change.goals, [&](const auto& goal) { return plan().pointIndex(goal.first) == point; });

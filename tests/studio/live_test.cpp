@@ -64,6 +64,12 @@ struct LiveWindow : Window {
         REQUIRE(inputs().sources()[0].on);
         sender = std::make_unique<UdpSender>(std::uint16_t(inputs().sources()[0].port));
     }
+    void mapKeys() {
+        window().activateWindow();
+        waitFor([&] { return window().isActiveWindow(); });
+        trigger("suggest-keys");
+        waitFor([&] { return rows() >= 4; });
+    }
     void say(const std::string& address, float number) { sender->send(oscBytes(address, {number})); }
     Vec3 place(const EndpointRef& end) { return *endpointPosition(document().session(), end); }
     EndpointRef lastEnd() { return {now().bones.rbegin()->first, true}; }
@@ -470,10 +476,7 @@ TEST_CASE("live: a key of the keyboard is learned and moves an end while it is h
 
 TEST_CASE("live: the keyboard is mapped to whatever the character has by one click, and undo takes it out") {
     LiveWindow w;
-    w.window().activateWindow();
-    waitFor([&] { return w.window().isActiveWindow(); });
-    w.trigger("suggest-keys");
-    waitFor([&] { return w.rows() >= 4; });
+    w.mapKeys();
     const double rest = w.place(w.lastEnd()).y();
     w.view().setFocus();
     waitFor([&] { return w.inputs().listens(); });
@@ -490,11 +493,8 @@ TEST_CASE("live: the keyboard is mapped to whatever the character has by one cli
 
 TEST_CASE("live: where a cycle has stopped, a key holds what it moves alone, and stopping all inputs lets that go as part of the same step") {
     LiveWindow w;
-    w.window().activateWindow();
-    waitFor([&] { return w.window().isActiveWindow(); });
     const std::size_t pins = w.now().goals.size();
-    w.trigger("suggest-keys");
-    waitFor([&] { return w.rows() >= 4; });
+    w.mapKeys();
     w.trigger("move-by-itself");
     // It moves at once, as it says.
     waitFor([&] { return w.now().goals.size() > pins + 3; });
@@ -514,12 +514,9 @@ TEST_CASE("live: where a cycle has stopped, a key holds what it moves alone, and
     CHECK(w.position() == before + 1);
 }
 
-TEST_CASE("live: while a take is shown a mapped key leaves it and moves the character") {
+TEST_CASE("live: while a take is shown a mapped key leaves it and moves the character, and so does a cycle that is asked to go on") {
     LiveWindow w;
-    w.window().activateWindow();
-    waitFor([&] { return w.window().isActiveWindow(); });
-    w.trigger("suggest-keys");
-    waitFor([&] { return w.rows() >= 4; });
+    w.mapKeys();
     w.trigger("record");
     waitFor([&] { return w.document().session().recording() && w.document().session().recording()->frames > 3; });
     w.trigger("record");
@@ -532,6 +529,12 @@ TEST_CASE("live: while a take is shown a mapped key leaves it and moves the char
     QTest::keyPress(&w.view(), Qt::Key_W);
     waitFor([&] { return w.inputs().waits() == InputDeck::Waits::No && w.place(w.lastEnd()).y() > rest + 0.05; });
     QTest::keyRelease(&w.view(), Qt::Key_W);
+    w.trigger("move-by-itself");
+    w.window().deck().show(0.0);
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::Take; });
+    w.trigger("move-by-itself");
+    waitFor([&] { return w.inputs().waits() == InputDeck::Waits::No; });
+    CHECK(!w.window().deck().shown());
 }
 
 TEST_CASE("live: a click that mutes a row chooses none; Escape and a click beside the rows close its form") {

@@ -234,8 +234,7 @@ TEST_CASE("cycles: suggested by one click, the amount fader makes the character 
     CHECK(w.now().takes.empty());
     CHECK(w.now().goals.size() > held);
     // What undo holds again stays so, and the take can be had again, until all inputs are stopped.
-    QTest::qWait(500);
-    CHECK(w.now().goals.size() > held);
+    CHECK(stays([&] { return w.now().goals.size() > held; }));
     w.trigger("redo");
     CHECK(w.now().takes.size() == 1);
     CHECK(w.now().goals.size() == held);

@@ -179,7 +179,8 @@ void CyclesPanel::suggest() {
 
 void CyclesPanel::begin() {
     const auto& cycles = cyclesOf(document_.document());
-    if (cycles.empty() || std::ranges::any_of(cycles, [this](const Cycle& cycle) { return inputs_.cycleFaders(cycle.name).amount != 0.0; })) return;
+    if (cycles.empty()) return;
+    if (std::ranges::any_of(cycles, [this](const Cycle& cycle) { return inputs_.cycleFaders(cycle.name).amount != 0.0; })) return inputs_.goOn();
     if (chosen().isEmpty()) choose(QString::fromStdString(cycles.front().name));
     amount_->setValue(kWholeCycle / 2);
 }

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] QString chosen() const;  ///< empty: none
     /// Makes cycles that suit the skeleton, by names in the language of the window, and chooses the first.
     void suggest();
-    /// Half of the chosen one, or of the first, runs at once, unless one runs already.
+    /// Half of the chosen one, or of the first, runs at once, unless one is drawn up already: then that goes on, if it was waiting.
     void begin();
 
 protected:
