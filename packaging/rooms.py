@@ -17,7 +17,7 @@ LONG = {
     "core/proposal/shape_proposal.cpp": "one algorithm: limbs, cuts and bones from a shape",
     "core/session/session.cpp": "the one door, and what follows from each way through it",
     "ui/dialogs/import_dialog.cpp": "one dialog",
-    "ui/tools/picking.cpp": "all that is found under the pointer, nearest first, by the same rules",
+    "ui/picking/picking.cpp": "all that is found under the pointer, nearest first, by the same rules",
     "ui/tools/face_tool.cpp": "one tool",
     "ui/tools/proposal_tool.cpp": "one tool",
     "ui/window/file_flow.cpp": "one flow: asking, reading and writing files share what is prepared beside the window",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The studio: Qt 6.4 (Debian 12). models, jobs and tools know no widgets; widgets know no document; panels and dialogs know neither each other nor the window.
+# The studio: Qt 6.4 (Debian 12). models, jobs, picking and tools know no widgets; widgets know no document; panels and dialogs know neither each other nor the window.
 find_package(Qt6 6.4 REQUIRED COMPONENTS Widgets OpenGLWidgets Svg LinguistTools)
 set(CMAKE_AUTOMOC ON)
 
@@ -13,7 +13,8 @@ imomushi_library(imomushi_models ui/models imomushi_commands Qt6::Gui)
 set_source_files_properties(${PROJECT_SOURCE_DIR}/ui/models/effect_texts.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_compile_definitions(imomushi_models PRIVATE IMOMUSHI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 imomushi_library(imomushi_jobs ui/jobs imomushi_models imomushi_reports)
-imomushi_library(imomushi_tools ui/tools imomushi_jobs imomushi_scene)
+imomushi_library(imomushi_picking ui/picking imomushi_models imomushi_scene)
+imomushi_library(imomushi_tools ui/tools imomushi_jobs imomushi_picking)
 imomushi_library(imomushi_widgets ui/widgets imomushi_base Qt6::Widgets Qt6::Svg)
 imomushi_library(imomushi_viewport ui/viewport imomushi_tools imomushi_widgets Qt6::OpenGLWidgets)
 imomushi_library(imomushi_panels ui/panels imomushi_widgets imomushi_jobs)

@@ -4242,6 +4242,10 @@
     <context>
         <name>imomushi::MainWindow</name>
         <message>
+            <source>Drawing “%1”</source>
+            <translation>「%1」を描画しています</translation>
+        </message>
+        <message>
             <source>Play</source>
             <translation>再生</translation>
         </message>

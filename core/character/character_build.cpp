@@ -16,11 +16,6 @@ namespace {
 // A vertex at the rim of a joined face that has no partner takes the normal of the nearest place on the other rim within this many face sizes.
 constexpr double kNearRim = 0.1;
 
-/// The block that has a free vertex.
-std::size_t blockOf(const ResponseBlocks& blocks, std::int32_t vertex) {
-    return static_cast<std::size_t>(std::upper_bound(blocks.first(), blocks.first() + blocks.count(), vertex) - blocks.first()) - 1;
-}
-
 }  // namespace
 
 Result<Character> Character::build(CharacterInput input, std::initializer_list<const Character*> previous) {
@@ -64,6 +59,7 @@ Result<void> Character::State::build(const ElementRuntimes& known) {
     const auto contractions = leastEnergyContractions(input);
     for (std::size_t j = 0; j < input.joints.size(); ++j) buildJoint(j, contractions[j]);
     for (std::size_t e = 0; e < frame.elements.size(); ++e) buildElement(e);
+    splitWork();
     buildHandles();
     for (std::size_t j = 0; j < input.joints.size(); ++j) holdFaces(j);
     for (const auto& effect : input.effects)
@@ -150,10 +146,14 @@ void Character::State::buildElement(std::size_t e) {
     }
     out.positions = AlignedBuffer<float>(3 * runtime.paddedVertices());
     out.normals = AlignedBuffer<float>(3 * padded);
-    splitWork(e);
 }
 
-void Character::State::splitWork(std::size_t e) {
+void Character::State::splitWork() {
+    const std::vector<std::vector<char>> seenOf = seenVertices();
+    for (std::size_t e = 0; e < frame.elements.size(); ++e) splitWork(e, seenOf[e]);
+}
+
+void Character::State::splitWork(std::size_t e, const std::vector<char>& seenVertices) {
     auto& out = frame.elements[e];
     const auto& runtime = *out.runtime;
     // Pieces end where `seen` changes.
@@ -167,26 +167,39 @@ void Character::State::splitWork(std::size_t e) {
             pieces.push_back({static_cast<int>(e), i, end, !seen.empty() && !seen[i]});
         }
     };
-    const auto seen = out.unseen ? seenBlocks(e) : std::vector<char>();
+    /// Calls take(vertex, block) for each free one; both ascend.
+    const auto forFree = [&](const auto& take) {
+        std::size_t block = 0;
+        for (const auto v : runtime.free) {
+            while (block + 1 < runtime.blocks.count() && runtime.blocks.first()[block + 1] <= v) ++block;
+            take(static_cast<std::size_t>(v), block);
+        }
+    };
+    std::vector<char> seen;
+    if (out.unseen) {
+        seen.assign(runtime.blocks.count(), 1);
+        std::fill_n(seen.begin(), runtime.bodyBlocks, 0);
+        forFree([&](std::size_t v, std::size_t block) {
+            if (seenVertices[v]) seen[block] = 1;
+        });
+    }
     split(productPieces, runtime.blocks.count(), runtime.blocks.bytesPerBlock(), 1, seen);
     split(normalPieces, runtime.vertices, sizeof(NormalStencil) + 6 * sizeof(float), kVertexBlock, {});
     out.evaluatedVertices = static_cast<int>(runtime.free.size());
     if (!out.unseen) return;
     if (runtime.embedded) out.evaluatedVertices += static_cast<int>(runtime.embedded->rows.size());
-    for (const auto v : runtime.free)
-        if (!seen[blockOf(runtime.blocks, v)]) --out.evaluatedVertices;
+    forFree([&](std::size_t, std::size_t block) { out.evaluatedVertices -= !seen[block]; });
 }
 
-std::vector<char> Character::State::seenBlocks(std::size_t e) const {
-    const auto& runtime = *frame.elements[e].runtime;
-    std::vector<char> isFree(runtime.vertices, 0), seen(runtime.blocks.count(), 1);
-    for (const auto v : runtime.free) isFree[static_cast<std::size_t>(v)] = 1;
-    std::fill_n(seen.begin(), runtime.bodyBlocks, 0);
+std::vector<std::vector<char>> Character::State::seenVertices() const {
+    std::vector<std::vector<char>> seen(frame.elements.size());
+    for (std::size_t e = 0; e < seen.size(); ++e)
+        if (frame.elements[e].unseen) seen[e].assign(frame.elements[e].runtime->vertices, 0);
     for (const auto& mesh : frame.input.renderMeshes)
         for (const auto& v : mesh->vertices) {
-            if (v.element != static_cast<int>(e)) continue;
-            const std::int32_t vertex = elementVertex(v, runtime);
-            if (vertex < static_cast<std::int32_t>(runtime.vertices) && isFree[static_cast<std::size_t>(vertex)]) seen[blockOf(runtime.blocks, vertex)] = 1;
+            auto& of = seen[static_cast<std::size_t>(v.element)];
+            const auto vertex = static_cast<std::size_t>(elementVertex(v, *frame.elements[static_cast<std::size_t>(v.element)].runtime));
+            if (vertex < of.size()) of[vertex] = 1;
         }
     return seen;
 }

@@ -40,9 +40,11 @@ struct Character::State {
     void buildHandles();
     void buildElement(std::size_t e);
     void holdFaces(std::size_t j);
-    void splitWork(std::size_t e);
-    // Per block of an element: some of its vertices are seen. Embedded points are.
-    [[nodiscard]] std::vector<char> seenBlocks(std::size_t e) const;
+    void splitWork();
+    // seenVertices: of the element.
+    void splitWork(std::size_t e, const std::vector<char>& seenVertices);
+    // Per element that a render mesh shows, and body vertex: 1 where it is one of that mesh. Others: none.
+    [[nodiscard]] std::vector<std::vector<char>> seenVertices() const;
     // Which vertices of two joined rims share normals. rimOf: per element and body vertex, its index in the rim, -1: none yet.
     void buildSeam(const CharacterInput::Joint& joint, std::vector<std::vector<std::int32_t>>& rimOf);
 

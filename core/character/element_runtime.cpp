@@ -220,7 +220,8 @@ Result<std::shared_ptr<const ElementRuntime>> ElementRuntime::build(Input input,
         out.dents = like->dents;
         return std::shared_ptr<const ElementRuntime>(std::move(made));
     }
-    out.stencils = normalStencils(body.vertices, triangles, out.inverseSize());
+    const auto alike = known.findSeenAlike(given);
+    out.stencils = alike ? alike->stencils : normalStencils(body.vertices, triangles, out.inverseSize());
     const auto first = blocks.first(out.bodyBlocks);
     if (given.response && !given.faces.empty()) {
         if (given.tables.warp) {
@@ -278,6 +279,12 @@ std::shared_ptr<const EmbeddedTables> ElementRuntimes::findEmbedded(const Elemen
         return i.embedded == input.embedded && i.nu == input.nu && i.covered == input.covered && sameJointFaces(i.faces, input.faces);
     });
     return found == end ? nullptr : found->second->embedded;
+}
+
+std::shared_ptr<const ElementRuntime> ElementRuntimes::findSeenAlike(const ElementRuntime::Input& input) const {
+    const auto [begin, end] = byMesh_.equal_range(input.mesh.get());
+    const auto found = std::find_if(begin, end, [&](const auto& known) { return known.second->input.covered == input.covered && sameJointFaces(known.second->input.faces, input.faces); });
+    return found == end ? nullptr : found->second;
 }
 
 std::shared_ptr<const ElementRuntime> ElementRuntimes::findLike(const ElementRuntime::Input& input) const {

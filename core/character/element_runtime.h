@@ -127,6 +127,8 @@ public:
     [[nodiscard]] std::shared_ptr<const ElementRuntime> find(const ElementRuntime::Input& input) const;
     /// The embedded tables of this input from a runtime with another response. Null: there is none.
     [[nodiscard]] std::shared_ptr<const EmbeddedTables> findEmbedded(const ElementRuntime::Input& input) const;
+    /// A runtime of this mesh with the same triangles seen, so that its stencils are the same. Null: there is none.
+    [[nodiscard]] std::shared_ptr<const ElementRuntime> findSeenAlike(const ElementRuntime::Input& input) const;
     /// A runtime whose input differs in its embedded points alone. Null: there is none.
     [[nodiscard]] std::shared_ptr<const ElementRuntime> findLike(const ElementRuntime::Input& input) const;
     /// Of a runtime of this mesh, these faces and this response. Null: there is none.

@@ -155,6 +155,31 @@ bool BoneDynamics::State::takeMotion(const State& of) {
     return true;
 }
 
+void BoneDynamics::State::takeMotion(const State& of, std::span<const int> pointOf) {
+    std::vector<char> known(body.x.size(), 0);
+    for (std::size_t i = 0; i < body.x.size(); ++i) {
+        if (pointOf[i] < 0) continue;
+        const auto j = static_cast<std::size_t>(pointOf[i]);
+        known[i] = 1;
+        body.x[i] = of.out.points[j] + (skeleton.points[i] - of.skeleton.points[j]);
+        body.v[i] = of.body.v[j];
+        body.roll[i] = of.out.roll[j];
+        body.rollRate[i] = of.body.rollRate[j];
+        body.clearance[i] = of.body.clearance[j];
+    }
+    for (const auto& bone : skeleton.bones) {
+        const auto start = static_cast<std::size_t>(bone.start), end = static_cast<std::size_t>(bone.end);
+        if (known[end] || !known[start]) continue;
+        known[end] = 1;
+        body.x[end] += body.x[start] - kinematic.points[start];
+        body.v[end] = body.v[start];
+    }
+    for (std::size_t i = 0; i < body.x.size(); ++i) body.x[i] = aboveGround(i, body.x[i]);
+    prepare();
+    energy = energyOf(body.x, body.v, last);
+    writePose(body, last);
+}
+
 void BoneDynamics::State::writePose(const Body& from, const BoneTargets& targets) {
     out.points = from.x;
     out.roll = from.roll;
@@ -310,6 +335,7 @@ Result<void> BoneDynamics::set(const BoneDynamicsSettings& settings) {
 }
 
 bool BoneDynamics::takeMotion(const BoneDynamics& of) { return state_->takeMotion(*of.state_); }
+void BoneDynamics::takeMotion(const BoneDynamics& of, std::span<const int> pointOf) { state_->takeMotion(*of.state_, pointOf); }
 void BoneDynamics::reset(const Pose& pose) { state_->reset(pose); }
 void BoneDynamics::step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals) { state_->step(seconds, kinematic, goals); }
 void BoneDynamics::seeFlesh(std::span<const FleshPoint> flesh, const std::vector<Vec3>& points) { state_->seeFlesh(flesh, points); }

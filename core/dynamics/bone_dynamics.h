@@ -86,6 +86,9 @@ public:
 
     /// Goes on with the motion of another one, whose masses and settings may differ. False: its skeleton is another one, and nothing changes.
     bool takeMotion(const BoneDynamics& of);
+    /// Goes on with the motion of one with another skeleton, after reset(). pointOf: per joint point the one that it was there, -1: it is new. What was there stays where it is, but
+    /// for how far its place of rest was moved, and is as fast; new ends of bones go along with their starts.
+    void takeMotion(const BoneDynamics& of, std::span<const int> pointOf);
 
     static constexpr double kStep = 1.0 / 240.0;       ///< s
     static constexpr double kMaxSeconds = 0.25;       ///< s, of motion per step()

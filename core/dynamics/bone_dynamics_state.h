@@ -43,6 +43,7 @@ struct BoneDynamics::State {
     static bool same(const BoneTargets& a, const BoneTargets& b);
     void reset(const Pose& pose);
     bool takeMotion(const State& of);
+    void takeMotion(const State& of, std::span<const int> pointOf);
     [[nodiscard]] double kineticOf(const std::vector<Vec3>& v) const;
     [[nodiscard]] double gravityOf(const std::vector<Vec3>& x) const;
     [[nodiscard]] Energy energyOf(const std::vector<Vec3>& x, const std::vector<Vec3>& v, const BoneTargets& targets) const;

@@ -9,6 +9,7 @@
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "core/base/finite.h"
 #include "core/base/union_find.h"
@@ -116,18 +117,14 @@ Result<JointFace> faceOf(const TriangleMesh& body, std::vector<std::int32_t> tri
     return face;
 }
 
-/// The triangles whose corners lie within `tolerance` of a plane and that lean no farther from its normal; `always` among them, -1: none.
-std::vector<std::int32_t> trianglesInPlane(const TriangleMesh& body, const Vec3& origin, const Vec3& normal, double tolerance, double cosine, std::int32_t always = -1) {
-    std::vector<std::int32_t> found;
-    for (std::int32_t t = 0; t < body.triangles.rows(); ++t) {
-        const auto near = [&](int c) { return std::abs(normal.dot(body.vertices.row(body.triangles(t, c)).transpose() - origin)) <= tolerance; };
-        const auto faces = [&] {
-            const Vec3 twice = areaVector(body, t);
-            return twice.dot(normal) >= cosine * twice.norm();
-        };
-        if (t == always || (near(0) && near(1) && near(2) && faces())) found.push_back(t);
-    }
-    return found;
+/// The corners of the triangle lie within `tolerance` of a plane, and it leans no farther from its normal.
+bool liesInPlane(const TriangleMesh& body, std::int32_t t, const Vec3& origin, const Vec3& normal, double tolerance, double cosine) {
+    const auto near = [&](int c) { return std::abs(normal.dot(body.vertices.row(body.triangles(t, c)).transpose() - origin)) <= tolerance; };
+    const auto faces = [&] {
+        const Vec3 twice = areaVector(body, t);
+        return twice.dot(normal) >= cosine * twice.norm();
+    };
+    return near(0) && near(1) && near(2) && faces();
 }
 
 }  // namespace
@@ -138,7 +135,10 @@ Result<JointFace> jointFaceByPlane(const TriangleMesh& body, const Vec3& origin,
     if (!(tolerance >= 0.0) || !std::isfinite(tolerance))
         return fail("bad-value", "The tolerance must be a finite number of at least 0.");
     const Vec3 n = normal.stableNormalized();
-    auto found = patches(body, trianglesInPlane(body, origin, n, tolerance, kPlaneCosine));
+    std::vector<std::int32_t> inPlane;
+    for (std::int32_t t = 0; t < body.triangles.rows(); ++t)
+        if (liesInPlane(body, t, origin, n, tolerance, kPlaneCosine)) inPlane.push_back(t);
+    auto found = patches(body, inPlane);
     if (found.empty())
         return fail("no-patch",
                     "No triangle that faces along the normal lies in the plane; move the plane, turn its normal outward or raise "
@@ -190,16 +190,24 @@ Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vecto
     return faceOf(body, std::move(found.front()));
 }
 
-Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance) {
+Result<JointFace> jointFaceBySeed(const TriangleMesh& body, const EdgeTable& edges, std::int32_t seed, double angle, double tolerance) {
     if (seed < 0 || seed >= body.triangles.rows())
         return fail("bad-index", "Triangle " + std::to_string(seed) + " does not exist.");
     const Vec3 n = areaVector(body, seed).stableNormalized();
     const Vec3 origin = body.vertices.row(body.triangles(seed, 0));
     if (!(n.norm() > 0.5)) return fail("no-patch", "The triangle has no area; choose another one.");
     const double cosine = std::cos(std::clamp(angle, 0.0, std::numbers::pi));
-    for (auto& patch : patches(body, trianglesInPlane(body, origin, n, tolerance, cosine, seed)))
-        if (std::binary_search(patch.begin(), patch.end(), seed)) return faceOf(body, std::move(patch));
-    return fail("no-patch", "No flat region lies there.");
+    std::vector<std::int32_t> patch{seed};
+    std::vector<char> seen(static_cast<std::size_t>(body.triangles.rows()), 0);
+    seen[static_cast<std::size_t>(seed)] = 1;
+    for (std::size_t i = 0; i < patch.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const int edge = edges.edgeOf(patch[i], c);
+            if (edge < 0) continue;
+            for (const EdgeUse& use : edges.uses(edge))
+                if (!std::exchange(seen[static_cast<std::size_t>(use.triangle)], char(1)) && liesInPlane(body, use.triangle, origin, n, tolerance, cosine)) patch.push_back(use.triangle);
+        }
+    return faceOf(body, std::move(patch));
 }
 
 SurfacePoint nearestOnSurface(const TriangleMesh& body, const Vec3& point) {

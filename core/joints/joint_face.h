@@ -13,6 +13,8 @@
 
 namespace imomushi {
 
+class EdgeTable;
+
 /// The local frame of a joint face at rest: origin = area centroid of the patch, z = outward normal of the element there,
 /// x = the global axis least aligned with z (ties within 1e-6: x before y before z) projected into the plane, y = z cross x.
 struct FaceFrame {
@@ -62,8 +64,8 @@ Result<JointFace> jointFaceByVertices(const TriangleMesh& body, const std::vecto
 Result<JointFace> jointFaceByTriangles(const TriangleMesh& body, std::vector<std::int32_t> triangles);
 
 /// The flat region around triangle `seed`: grows over neighbours whose normals stay within `angle` radians of the seed's and whose
-/// corners stay within `tolerance` metres of its plane. What a click of the face tool selects.
-Result<JointFace> jointFaceBySeed(const TriangleMesh& body, std::int32_t seed, double angle, double tolerance);
+/// corners stay within `tolerance` metres of its plane. `edges`: of the body. What a click of the face tool selects.
+Result<JointFace> jointFaceBySeed(const TriangleMesh& body, const EdgeTable& edges, std::int32_t seed, double angle, double tolerance);
 
 /// A place on the surface of a body.
 struct SurfacePoint {

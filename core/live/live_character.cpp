@@ -149,12 +149,14 @@ Result<void> LiveCharacter::prepare() {
     if (performance_ && performance_->isDynamic() == dynamic && performance_->hasGround() == effects.has(EffectKind::Ground)) return performance_->set(effects);
     performance_.reset();
     IMOMUSHI_TRY(performance_, Performance::build(document(), plan_));
-    // What swings goes on where an element was edited.
+    // What swings goes on where elements or bones were edited.
     const auto former = std::exchange(formerPerformance_, std::nullopt);
     const bool goesOn = former && performance_->takeMotion(*former);
     seeFlesh();
     collectGoals();
-    if (!goesOn) performance_->reset(posed(), goals_);
+    if (goesOn) return {};
+    performance_->reset(posed(), goals_);
+    if (former) performance_->takeMotionOfBones(*former);
     return {};
 }
 
@@ -382,7 +384,6 @@ Result<void> LiveCharacter::follow(const Document& before) {
         const auto was = planOf(before), is = planOf(document());
         if (!is) return tl::unexpected(is.error());
         valid_ = false;
-        performance_.reset();
         if (followSkeleton(history_.edit(), was ? was->get() : nullptr, **is))
             if (const auto solved = converge(); !solved) return tl::unexpected(solved.error());
     } else if (changesCharacter(change, document())) {

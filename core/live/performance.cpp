@@ -70,6 +70,7 @@ bool same(const Pose& a, const Pose& b) {
 Result<Performance> Performance::build(const Document& document, const CharacterPlan& plan) {
     Performance made;
     made.skeleton_ = plan.input.skeleton;
+    made.bones_ = plan.bones;
     for (const Vec3& p : made.skeleton_.points) made.size_ = std::max(made.size_, (p - made.skeleton_.points.front()).norm());
     made.clearance_.resize(made.skeleton_.points.size());
     made.depthOf_.resize(made.skeleton_.points.size());
@@ -97,11 +98,24 @@ Result<Performance> Performance::build(const Document& document, const Character
 }
 
 bool Performance::takeMotion(const Performance& of) {
-    if (!dynamics_ || !of.dynamics_ || !dynamics_->takeMotion(*of.dynamics_)) return false;
+    if (!dynamics_ || !of.dynamics_ || bones_ != of.bones_ || !dynamics_->takeMotion(*of.dynamics_)) return false;
     // What lift() raised in the last frame stays raised.
     raised_ = of.raised_;
     lifted_ = of.lifted_;
     return true;
+}
+
+void Performance::takeMotionOfBones(const Performance& of) {
+    if (!dynamics_ || !of.dynamics_) return;
+    std::vector<int> pointOf(skeleton_.points.size(), -1);
+    for (std::size_t b = 0; b < bones_.size(); ++b) {
+        const auto was = std::ranges::find(of.bones_, bones_[b]);
+        if (was == of.bones_.end()) continue;
+        const Skeleton::Bone &now = skeleton_.bones[b], &then = of.skeleton_.bones[static_cast<std::size_t>(was - of.bones_.begin())];
+        pointOf[static_cast<std::size_t>(now.start)] = then.start;
+        pointOf[static_cast<std::size_t>(now.end)] = then.end;
+    }
+    dynamics_->takeMotion(*of.dynamics_, pointOf);
 }
 
 double Performance::predict(const Document& document, const CharacterPlan& plan) {

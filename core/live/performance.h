@@ -32,6 +32,8 @@ public:
     void reset(const Pose& kinematic, std::span<const IkGoal> goals);
     /// Goes on with the motion of bones of another one. False: there is none, or its skeleton is another one, and nothing changes.
     bool takeMotion(const Performance& of);
+    /// After reset(): goes on with the motion of the bones that another one had, too. Does nothing where one of them has no bone dynamics.
+    void takeMotionOfBones(const Performance& of);
     /// One frame: the per-frame job. `seconds` > 0.
     void step(double seconds, const Pose& kinematic, std::span<const IkGoal> goals);
     /// Takes the flesh near the ground as last shown (groundFlesh() in ground_job.h) and the joint points it was shown with (m, world). The
@@ -61,6 +63,7 @@ private:
     void raise(const Pose& pose, Pose& raised);
 
     Skeleton skeleton_;
+    std::vector<PartId> bones_;      // of the document, in the order of the skeleton
     double size_ = 0.0;              // of the skeleton, m
     std::optional<BoneDynamicsSettings::Ground> ground_;
     double pressed_ = 0.0;

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <optional>
 
+#include "core/mesh/bounds.h"
+
 namespace imomushi {
 namespace {
 
@@ -30,6 +32,7 @@ struct MeshConnectivity::Parts {
     Once<Points> normals;
     Once<MeshFacts> facts;
     Once<TriangleClusters> clusters;
+    Once<double> diagonal;
 };
 
 MeshConnectivity::MeshConnectivity(const TriangleMesh& body) : body_(body), parts_(std::make_unique<Parts>()) {}
@@ -50,6 +53,10 @@ const MeshFacts& MeshConnectivity::facts() const {
 
 const TriangleClusters& MeshConnectivity::clusters() const {
     return parts_->clusters.get([this] { return TriangleClusters(body_); });
+}
+
+double MeshConnectivity::diagonal() const {
+    return parts_->diagonal.get([this] { return diagonalOf(body_.vertices); });
 }
 
 const MeshConnectivity& ElementMesh::connectivity() const {

@@ -23,6 +23,7 @@ public:
     [[nodiscard]] const Points& normals() const;   ///< vertexNormals()
     [[nodiscard]] const MeshFacts& facts() const;  ///< meshFacts()
     [[nodiscard]] const TriangleClusters& clusters() const;
+    [[nodiscard]] double diagonal() const;  ///< diagonalOf(), m
 
 private:
     struct Parts;

@@ -18,25 +18,33 @@ public:
 
     explicit TriangleClusters(const TriangleMesh& mesh);
 
-    /// Triangles that a ray may meet, ascending, and others; `at`: where a vertex is now, m. Those that it meets by exact arithmetic are among them.
-    template <class At>
-    void along(const Vec3& origin, const Vec3& direction, const At& at, std::vector<std::int32_t>& out) const {
-        out.clear();
+    /// Calls visit(low, high, triangles) for each cluster in its order, with its box by where vertices are now, m, until it answers false. at(vertex): a vector of floats or doubles.
+    template <class At, class Visit>
+    void forEach(const At& at, const Visit& visit) const {
         for (std::size_t c = 0; c + 1 < firstVertex_.size(); ++c) {
             const auto vertices = std::span(vertices_).subspan(firstVertex_[c], firstVertex_[c + 1] - firstVertex_[c]);
-            Vec3 low = at(vertices[0]), high = low;
+            auto low = at(vertices[0]), high = low;
             for (const std::int32_t v : vertices) {
-                const Vec3 p = at(v);
+                const auto p = at(v);
                 low = low.cwiseMin(p);
                 high = high.cwiseMax(p);
             }
-            if (meets(origin, direction, low, high)) out.insert(out.end(), triangles_.begin() + first(c), triangles_.begin() + first(c + 1));
+            if (!visit(low.template cast<double>(), high.template cast<double>(), std::span(triangles_).subspan(c * kTriangles, std::min(kTriangles, triangles_.size() - c * kTriangles)))) return;
         }
+    }
+
+    /// Triangles that a ray may meet, ascending, and others; `at`: as above. Those that it meets by exact arithmetic are among them.
+    template <class At>
+    void along(const Vec3& origin, const Vec3& direction, const At& at, std::vector<std::int32_t>& out) const {
+        out.clear();
+        forEach(at, [&](const Vec3& low, const Vec3& high, std::span<const std::int32_t> triangles) {
+            if (meets(origin, direction, low, high)) out.insert(out.end(), triangles.begin(), triangles.end());
+            return true;
+        });
         std::sort(out.begin(), out.end());
     }
 
 private:
-    [[nodiscard]] std::ptrdiff_t first(std::size_t cluster) const { return static_cast<std::ptrdiff_t>(std::min(cluster * kTriangles, triangles_.size())); }
     static bool meets(const Vec3& origin, const Vec3& direction, const Vec3& low, const Vec3& high);
 
     std::vector<std::int32_t> triangles_;  // cluster after cluster

@@ -12,15 +12,19 @@ namespace imomushi {
 
 bool PreparedStep::fits(const Document& document) const { return differInPoseAtMost(before, document); }
 
-Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const Json& command, const std::function<void(Session&)>& arrange, const Progress& progress) {
-    PreparedStep made{command, project.document, {}, {}, {}, {}, {}, nullptr};
+Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const std::vector<Json>& commands, const std::function<void(Session&)>& arrange, const Progress& progress) {
+    PreparedStep made{project.document, {}, {}, {}, {}, {}, nullptr};
     const auto known = project.responses;
     Session session(registry);
     if (arrange) arrange(session);
     SessionAccess(session).replace(std::move(project), {}, true, Json{{"do", "open"}});
-    IMOMUSHI_TRY(auto answer, session.execute(command, progress));
-    if (session.steps().size() != 1) return fail("internal", "A command that is prepared makes one step of the history.");
-    made.answer = std::move(answer);
+    if (commands.size() > 1) session.beginGesture();
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+        const double each = 1.0 / static_cast<double>(commands.size());
+        IMOMUSHI_TRY(made.answer, session.execute(commands[i], progress.part(each * static_cast<double>(i), each * static_cast<double>(i + 1))));
+    }
+    session.endGesture();
+    if (session.steps().size() != 1) return fail("internal", "What is prepared makes one step of the history.");
     made.after = session.document();
     made.step = session.steps().front();
     made.lines = session.script();

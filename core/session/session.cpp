@@ -63,7 +63,6 @@ Result<Json> Session::executeOrThrow(const Json& command, const Progress& progre
     if (auto ok = checkArguments(*what, command); !ok) return tl::unexpected(ok.error());
     const ParkedPerformer parked(performer_.get());
     if (performer_ && what->changesDocument()) performer_->dropInputs();
-    if (prepared_ && prepared_->command == command && prepared_->fits(document())) return takeOver(*prepared_);
 
     // Frames that follow each other are one line of the script.
     if (what->name != "step") history_.flushFrames();
@@ -147,7 +146,17 @@ Result<Json> Session::runChecked(const Command& command, const Json& arguments, 
     }
 }
 
+Result<Json> Session::takePrepared(const PreparedStep& made) {
+    try {
+        return takeOver(made);
+    } catch (const std::bad_alloc&) {
+        return tl::unexpected(Error{"no-memory", "No memory left."});
+    }
+}
+
 Json Session::takeOver(const PreparedStep& made) {
+    const ParkedPerformer parked(performer_.get());
+    if (performer_) performer_->dropInputs();
     endGesture();
     Json answer = made.answer;
     const Document before = history_.document();

@@ -168,8 +168,8 @@ public:
     void setListener(std::function<void(const Change&)> listener);
     /// What slow work commands ask for; see Services.
     [[nodiscard]] Services& services() { return services_; }
-    /// execute() takes this over instead of executing the same command again, while it fits the document. Null: none.
-    void setPrepared(std::shared_ptr<const PreparedStep> step) { prepared_ = std::move(step); }
+    /// Takes over what was prepared, as its commands would have done it. It fits the document. Errors: "no-memory"; then nothing has changed.
+    Result<Json> takePrepared(const PreparedStep& made);
     /// What "save" writes, and an autosave: the document as it is now with the responses that its elements have. Copies no mesh and no response.
     [[nodiscard]] Project project();
 
@@ -224,7 +224,6 @@ private:
     std::optional<Former> former_;
     Change pendingChange_;  // by the command that runs, besides the parts of the document
     bool historyMoved_ = false;  // by the action that runs: undo, redo, another document, a take
-    std::shared_ptr<const PreparedStep> prepared_;
 };
 
 }  // namespace imomushi

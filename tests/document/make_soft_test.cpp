@@ -245,7 +245,7 @@ TEST_CASE("prepared steps: a command that was executed on a copy is taken over a
     const Json command{{"do", "make-soft"}, {"character", "it"}, {"precompute", false}};
     const auto prepared = [&](const Json& what) {
         Result<PreparedStep> made;
-        std::thread([&, project = w.session.project()] { made = prepareStep(coreRegistry(), project, what, {}, {}); }).join();
+        std::thread([&, project = w.session.project()] { made = prepareStep(coreRegistry(), project, {what}, {}, {}); }).join();
         return made;
     };
     const std::string before = w.content();
@@ -270,10 +270,11 @@ TEST_CASE("prepared steps: a command that was executed on a copy is taken over a
     CHECK(!step->fits(w.session.document()));
     w.good({{"do", "undo"}});
     CHECK(step->fits(w.session.document()));
-    w.session.setPrepared(step);
     int told = 0;
     w.session.setListener([&](const Session::Change& change) { told += change.structure(); });
-    Json answer = w.good(command);
+    const auto taken = w.session.takePrepared(*step);
+    REQUIRE(taken);
+    Json answer = *taken;
     CHECK(asked == 0);
     CHECK(told == 1);
     for (Json* json : {&answer, &expected}) json->erase("seconds");
@@ -290,16 +291,35 @@ TEST_CASE("prepared steps: a command that was executed on a copy is taken over a
     w.good({{"do", "redo"}});
     CHECK(w.content() == after);
 
-    // Another command is done as if nothing were prepared.
-    w.good({{"do", "undo"}});
-    Json other = command;
-    other["least"] = 0.05;
-    CHECK(w.good(other)["cuts"].size() < answer["cuts"].size());
-    CHECK(asked == 1);
     // What fails there fails with the command's own reason.
     const auto refused = prepared({{"do", "make-soft"}, {"character", "nobody"}});
     REQUIRE(!refused);
     CHECK(refused.error().code == "no-such-character");
+}
+
+TEST_CASE("prepared steps: several commands are one step, as in a gesture; where one is refused, none was done") {
+    Workbench w, direct;
+    for (Workbench* of : {&w, &direct}) of->buildChain();
+    const std::vector<Json> commands{{{"do", "remove-bone"}, {"name", "b"}}, {{"do", "remove-element"}, {"name", "B"}}};
+    direct.session.beginGesture();
+    for (const Json& command : commands) direct.good(command);
+    direct.session.endGesture();
+    const int before = w.session.position();
+    const auto made = prepareStep(coreRegistry(), w.session.project(), commands, {}, {});
+    REQUIRE(made);
+    CHECK(w.session.position() == before);
+    REQUIRE(w.session.takePrepared(*made));
+    CHECK(w.session.position() == before + 1);
+    CHECK(w.content() == direct.content());
+    CHECK(w.session.script() == direct.session.script());
+    CHECK(w.session.steps().back().name == direct.session.steps().back().name);
+    w.good({{"do", "undo"}});
+    CHECK(w.session.document().elementNamed("B"));
+    CHECK(w.session.document().boneNamed("b"));
+
+    const auto refused = prepareStep(coreRegistry(), w.session.project(), {commands[0], commands[0]}, {}, {});
+    REQUIRE(!refused);
+    CHECK(refused.error().code == "no-such-bone");
 }
 
 TEST_CASE("make-soft: takes what propose answered back, changed, dropped and added to") {

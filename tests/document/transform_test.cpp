@@ -44,13 +44,12 @@ TEST_CASE("transform: what is prepared on a copy brings the results along that i
             if (!fresh) of->good({{"do", "set"}, {"target", "B"}, {"property", "nu"}, {"value", 0.3}});
         }
         const Json command = turnedBy({"B"});
-        auto made = prepareStep(coreRegistry(), w.session.project(), command, {}, {});
+        auto made = prepareStep(coreRegistry(), w.session.project(), {command}, {}, {});
         REQUIRE(made);
         direct.good(command);
-        w.session.setPrepared(std::make_shared<const PreparedStep>(std::move(*made)));
         bool told = false;
         w.session.setListener([&](const Session::Change& change) { told = told || change.responses; });
-        w.good(command);
+        REQUIRE(w.session.takePrepared(*made));
         CHECK(told);
         for (const char* name : {"A", "B"}) {
             CAPTURE(name);

@@ -76,11 +76,11 @@ TEST_CASE("joint face by vertices: the triangles whose corners are all named; st
 
 TEST_CASE("joint face by seed: one side of the cube, whichever of its triangles was clicked") {
     for (std::int32_t t = 0; t < 12; ++t) {
-        const auto face = jointFaceBySeed(cube(), t, 0.2, 1e-6);
+        const auto face = jointFaceBySeed(cube(), EdgeTable(cube().triangles), t, 0.2, 1e-6);
         REQUIRE(face);
         CHECK(face->triangles == std::vector<std::int32_t>{t / 2 * 2, t / 2 * 2 + 1});
     }
-    CHECK(jointFaceBySeed(cube(), 12, 0.2, 1e-6).error().code == "bad-index");
+    CHECK(jointFaceBySeed(cube(), EdgeTable(cube().triangles), 12, 0.2, 1e-6).error().code == "bad-index");
 }
 
 TEST_CASE("eq. (5): with a = b = 1 the map is a rigid tilt about an axis in the plane, and its columns are the displaced axes") {

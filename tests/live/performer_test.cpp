@@ -206,22 +206,27 @@ TEST_CASE("performance: one of 200 elements that swing is edited: no other moves
     for (std::size_t i = 0; i < alone.size(); ++i) CHECK(farthest(alone[i], beside[i]) < 1e-3 * usual);
 }
 
+namespace {
+
+/// Where the end of a chain that was let go is after commands, and after each of ten steps that follow.
+std::vector<Vec3> swung(const std::vector<Json>& commands) {
+    Swinging s(false);
+    s.pull(s.at() + Vec3(0.5, 0.4, 0.0));
+    for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+    s.w.good({{"do", "release"}, {"endpoint", s.end()}});
+    for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+    for (const Json& command : commands) s.w.good(command);
+    std::vector<Vec3> out{s.at()};
+    for (int i = 0; i < 10; ++i) {
+        s.w.session.stepFrame(1.0 / kHertz);
+        out.push_back(s.at());
+    }
+    return out;
+}
+
+}  // namespace
+
 TEST_CASE("performance: what swings goes on when a name, a material or an effect is undone and redone; undoing a drag brings the pose from before") {
-    // Where the end is after each of ten steps that follow these commands.
-    const auto swung = [](const std::vector<Json>& commands) {
-        Swinging s(false);
-        s.pull(s.at() + Vec3(0.5, 0.4, 0.0));
-        for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
-        s.w.good({{"do", "release"}, {"endpoint", s.end()}});
-        for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
-        for (const Json& command : commands) s.w.good(command);
-        std::vector<Vec3> out{s.at()};
-        for (int i = 0; i < 10; ++i) {
-            s.w.session.stepFrame(1.0 / kHertz);
-            out.push_back(s.at());
-        }
-        return out;
-    };
     const Json undo{{"do", "undo"}}, redo{{"do", "redo"}};
     const auto alone = swung({});
     REQUIRE((alone[1] - alone[0]).norm() > 1e-3);
@@ -232,6 +237,29 @@ TEST_CASE("performance: what swings goes on when a name, a material or an effect
     }
     // What lets go is undone: the end is held again, where it was then.
     CHECK((swung({undo}).front() - alone.front()).norm() > 0.01);
+}
+
+TEST_CASE("performance: bones are added, moved, limited and removed while others swing: these go on from where they are, as fast as they were") {
+    const auto alone = swung({});
+    const double usual = (alone[1] - alone[0]).norm();
+    REQUIRE(usual > 1e-3);
+    const Json beside{{"do", "add-bone"}, {"name", "beside"}, {"from", {9, 0, 0}}, {"to", {10, 0, 0}}}, longer{{"do", "add-bone"}, {"name", "tip"}, {"from", "b/end"}, {"to", {0, 0, 7}}};
+    const std::vector<std::pair<const char*, std::vector<Json>>> edits{
+        {"a bone beside them", {beside}},
+        {"one that is removed again", {beside, {{"do", "remove-bone"}, {"name", "beside"}}}},
+        {"a limit", {{{"do", "set"}, {"target", "a"}, {"property", "max-bend"}, {"value", 3.0}}}},
+    };
+    for (const auto& [name, commands] : edits) {
+        CAPTURE(name);
+        const auto edited = swung(commands);
+        CHECK((edited[0] - alone[0]).norm() < 1e-6);
+        for (std::size_t i = 1; i < alone.size(); ++i) CHECK((edited[i] - alone[i]).norm() < 0.02 * usual);
+    }
+    // One that hangs on the end makes it heavier, but does not stop it.
+    const auto heavier = swung({longer});
+    CHECK((heavier[0] - alone[0]).norm() < 1e-6);
+    CHECK((heavier[1] - alone[1]).norm() < 0.5 * usual);
+    CHECK((heavier[1] - heavier[0]).dot(alone[1] - alone[0]) > 0.5 * usual * usual);
 }
 
 TEST_CASE("performance: flesh that the ground has lifted stays where it is when an element far from it is edited") {

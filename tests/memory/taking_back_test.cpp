@@ -14,10 +14,11 @@ using namespace imomushi;
 
 namespace {
 
-/// What a command answers while the n-th request for memory fails, and whether one did.
-std::pair<Result<Json>, bool> executeFailing(Session& session, const Json& command, long n, Fails fails) {
-    const FailingMalloc failing(n, fails);
-    auto answer = session.execute(command);
+/// What is answered while the n-th request for memory fails, and whether one did.
+template <class Act>
+std::pair<Result<Json>, bool> failing(long n, Fails fails, const Act& act) {
+    const FailingMalloc malloc(n, fails);
+    Result<Json> answer = act();
     return {std::move(answer), FailingMalloc::failed()};
 }
 
@@ -74,10 +75,9 @@ TEST_CASE("no memory: whichever request fails while a prepared step is taken ove
     int told = 0;
     for (const Fails fails : kWays)
         for (long n = 1;; n = after(n, fails)) {
-            auto made = prepareStep(coreRegistry(), w.session.project(), command, {}, {});
+            auto made = prepareStep(coreRegistry(), w.session.project(), {command}, {}, {});
             REQUIRE(made);
-            w.session.setPrepared(std::make_shared<const PreparedStep>(std::move(*made)));
-            const auto tried = executeFailing(w.session, command, n, fails);
+            const auto tried = failing(n, fails, [&] { return w.session.takePrepared(*made); });
             const Result<Json>& answer = tried.first;
             INFO(named(fails) << n << ": " << outcome(answer));
             CHECK(w.session.position() == position + (answer ? 1 : 0));
@@ -99,7 +99,7 @@ TEST_CASE("no memory: whichever request fails while a character is made soft, al
     for (const Fails fails : kWays)
         for (long n = 1;; n = 2 * n) {
             const std::string before = w.content();
-            const auto tried = executeFailing(w.session, command, n, fails);
+            const auto tried = failing(n, fails, [&] { return w.session.execute(command); });
             const Result<Json>& answer = tried.first;
             INFO(named(fails) << n << ": " << outcome(answer));
             const bool done = answer || answer.error().code == "no-memory-after";

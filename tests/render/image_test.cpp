@@ -10,6 +10,7 @@
 
 #include "tests/render/picture.h"
 #include "tests/render/test_bodies.h"
+#include "ui/render/decoded_textures.h"
 
 using namespace imomushi;
 using namespace imomushi::render;
@@ -83,6 +84,33 @@ TEST_CASE("a picture cannot be written where there is no folder") {
     const auto written = writePng("/no/such/folder/a.png", oneColor(1, 1, 0, 0, 0), 1, 1);
     REQUIRE(!written);
     CHECK(written.error().code == "not-writable");
+}
+
+TEST_CASE("textures are decoded once beforehand, for whoever draws them first; later ones decode them again, and one that is damaged is none") {
+    auto mesh = std::make_shared<ElementMesh>();
+    mesh->renderMesh.textures.push_back({"purple", "image/png", pngBytes(oneColor(4, 2, 180, 20, 180), 4, 2)});
+    mesh->renderMesh.textures.push_back({"damaged", "image/png", {1, 2, 3}});
+    decodeTextures(mesh);
+    decodeTextures(mesh);
+    for (int time = 0; time < 2; ++time) {
+        const DecodedTextures taken = takeTextures(mesh);
+        REQUIRE(taken.size() == 2);
+        REQUIRE(taken[0]);
+        CHECK(taken[0]->width == 4);
+        CHECK(taken[0]->height == 2);
+        CHECK(taken[0]->rgba[0] == 180);
+        CHECK(!taken[1]);
+    }
+    // Another mesh may lie where one was.
+    for (int k = 0; k < 50; ++k) {
+        auto other = std::make_shared<ElementMesh>();
+        for (int n = 0; n < 1 + k % 2; ++n) other->renderMesh.textures.push_back({"t", "image/png", pngBytes(oneColor(2, 2, 9, 9, k), 2, 2)});
+        decodeTextures(other);
+        if (k % 3 == 0) continue;
+        const DecodedTextures taken = takeTextures(other);
+        REQUIRE(taken.size() == other->renderMesh.textures.size());
+        CHECK(taken.back()->rgba[2] == k);
+    }
 }
 
 TEST_CASE("textures, vertex colours and materials colour a body") {

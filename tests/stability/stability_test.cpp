@@ -330,7 +330,7 @@ TEST_CASE("stability: a sheared bar of which tetrahedra come out flat is solved 
     held->body = mesh;
     input.mesh = held;
     input.nu = 0.0;
-    auto face = jointFaceBySeed(mesh, 0, 0.2, 0.05 * size);
+    auto face = jointFaceBySeed(mesh, EdgeTable(mesh.triangles), 0, 0.2, 0.05 * size);
     REQUIRE(face);
     face->name = "end";
     input.faces.push_back(*face);
@@ -370,7 +370,7 @@ TEST_CASE("stability: any hard body with any faces, bent out of shape in any way
         const int faces = *rc::gen::inRange(0, 5);
         for (int f = 0; f < faces; ++f) {
             const auto seed = *rc::gen::inRange<std::int32_t>(0, static_cast<std::int32_t>(mesh.triangles.rows()));
-            auto face = jointFaceBySeed(mesh, seed, 0.2, *rc::gen::element(1e-3, 0.05) * size);
+            auto face = jointFaceBySeed(mesh, EdgeTable(mesh.triangles), seed, 0.2, *rc::gen::element(1e-3, 0.05) * size);
             if (!face) {
                 RC_ASSERT(documented(face.error()));
                 continue;

@@ -5,7 +5,7 @@
 #include "tests/studio/window.h"
 #include "ui/models/texts.h"
 #include "ui/panels/inspector/inspector_panel.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 using namespace imomushi;
 

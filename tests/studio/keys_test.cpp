@@ -18,7 +18,8 @@
 #include "ui/dialogs/preferences_dialog.h"
 #include "ui/models/gesture.h"
 #include "ui/panels/effects_panel.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
+#include "ui/viewport/picture_job.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/number_field.h"
 #include "ui/window/command_search.h"
@@ -381,7 +382,14 @@ TEST_CASE("picture of the view: any size, with alpha, and without what is select
     w.open(QStringLiteral(IMOMUSHI_SOURCE_DIR "/assets/samples/caterpillar.imomushi"));
     CHECK(w.window().actions()["picture"]->shortcut() == QKeySequence(Qt::Key_F12));
     const QString file = w.folder.filePath(QStringLiteral("view.png"));
-    REQUIRE(w.view().writePicture(file, {QSize(333, 517), true, false, false}).has_value());
+    PictureJob job;
+    const auto write = [&](const QString& to, const ViewportWidget::Picture& picture) {
+        std::optional<Result<void>> done;
+        job.start(w.view().pictureScene(picture), picture.size, to, [&](const Result<void>& result) { done = result; });
+        waitFor([&] { return done.has_value(); });
+        return done.value_or(fail("never", "It never ended."));
+    };
+    REQUIRE(write(file, {QSize(333, 517), true, false, false}).has_value());
     const QImage clear(file);
     CHECK(clear.size() == QSize(333, 517));
     CHECK(clear.hasAlphaChannel());
@@ -395,12 +403,12 @@ TEST_CASE("picture of the view: any size, with alpha, and without what is select
     CHECK(solid > clear.width() * clear.height() / 50);
     CHECK(none > clear.width() * clear.height() / 4);
     w.document().select({{SelectionItem::Kind::Element, w.now().elements.begin()->first, {}, false}});
-    REQUIRE(w.view().writePicture(file, {QSize(333, 517), true, false, false}).has_value());
+    REQUIRE(write(file, {QSize(333, 517), true, false, false}).has_value());
     CHECK(QImage(file) == clear);
-    REQUIRE(w.view().writePicture(file, {QSize(400, 300), false, true, true}).has_value());
+    REQUIRE(write(file, {QSize(400, 300), false, true, true}).has_value());
     CHECK(qAlpha(QImage(file).pixel(2, 2)) == 255);
-    CHECK(w.view().writePicture(file, {QSize(9000, 9000), false, false, true}).error().code == "bad-size");
-    CHECK(w.view().writePicture(w.folder.filePath(QStringLiteral("no/such/folder.png")), {QSize(40, 30), false, false, true}).error().code == "not-writable");
+    CHECK(write(file, {QSize(9000, 9000), false, false, true}).error().code == "bad-size");
+    CHECK(write(w.folder.filePath(QStringLiteral("no/such/folder.png")), {QSize(40, 30), false, false, true}).error().code == "not-writable");
 
     PictureDialog dialog(QSize(640, 480), &w.window());
     dialog.findChild<QSpinBox*>(QStringLiteral("pictureWidth"))->setValue(1920);

@@ -22,7 +22,7 @@
 #include "ui/models/recent_files.h"
 #include "ui/models/source_calibrator.h"
 #include "ui/panels/live/live_panel.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/widgets/number_field.h"
 #include "ui/widgets/switch.h"
 

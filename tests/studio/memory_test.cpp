@@ -10,7 +10,7 @@
 #include "tests/support/shapes.h"
 #include "ui/models/failures.h"
 #include "ui/models/gesture.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 using namespace imomushi;
 

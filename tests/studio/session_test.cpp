@@ -15,8 +15,8 @@
 #include "ui/dialogs/links_dialog.h"
 #include "ui/jobs/character_job.h"
 #include "ui/panels/takes_panel.h"
+#include "ui/picking/picking.h"
 #include "ui/scene/cut_frame.h"
-#include "ui/tools/picking.h"
 #include "ui/widgets/number_field.h"
 #include "ui/window/studio_docks.h"
 

@@ -6,9 +6,12 @@
 #include "tests/support/shapes.h"
 #include "ui/models/history_model.h"
 #include "ui/models/paths.h"
+#include "ui/models/recent_files.h"
 #include "ui/models/selection_commands.h"
 #include "ui/scene/cut_frame.h"
+#include "ui/widgets/number_field.h"
 #include "ui/widgets/switch.h"
+#include "ui/window/file_flow.h"
 
 using namespace imomushi;
 
@@ -44,7 +47,7 @@ struct Worm : Window {
         waitFor([&] { return !window().steps().running(); });
         settle();
     }
-    static Json cutAt(double x) { return {{"do", "cut"}, {"element", "worm body"}, {"plane", {{"origin", {x, 0, 0}}, {"normal", {1, 0, 0}}}}}; }
+    static Json cutAt(double x, const char* element = "worm body") { return {{"do", "cut"}, {"element", element}, {"plane", {{"origin", {x, 0, 0}}, {"normal", {1, 0, 0}}}}}; }
 };
 
 }  // namespace
@@ -203,4 +206,77 @@ TEST_CASE("slow steps: a copy is not selected where something else was selected 
     w.wait();
     CHECK(w.now().characters.size() == 2);
     CHECK(w.document().selection() == std::vector{body});
+}
+
+TEST_CASE("slow steps: several parts of a large character are removed beside the window, as one step") {
+    Worm w;
+    w.run(Worm::cutAt(-1.0));
+    w.run(Worm::cutAt(1.0, "worm body 2"));
+    const auto& cuts = w.character().cuts;
+    REQUIRE(cuts.size() == 2);
+    w.document().select({{SelectionItem::Kind::Cut, cuts[0].id, {}, false}, {SelectionItem::Kind::Cut, cuts[1].id, {}, false}});
+    w.settle();
+    const int before = w.position();
+    w.trigger("delete");
+    CHECK(w.position() == before);
+    w.wait();
+    CHECK(w.character().cuts.empty());
+    CHECK(w.now().elements.size() == 1);
+    CHECK(w.position() == before + 1);
+    w.trigger("undo");
+    CHECK(w.character().cuts.size() == 2);
+    // What goes with a cut is known only when that is removed.
+    const PartId piece = w.now().elements.begin()->first;
+    w.document().select({{SelectionItem::Kind::Cut, w.character().cuts[0].id, {}, false}, {SelectionItem::Kind::Cut, w.character().cuts[1].id, {}, false}, {SelectionItem::Kind::Element, piece, {}, false}});
+    w.settle();
+    w.trigger("delete");
+    waitFor([&] { return !w.window().steps().running(); });
+    CHECK(w.now().characters.empty());
+    CHECK(w.position() == before + 1);
+}
+
+TEST_CASE("slow steps: a number typed for a cut of a large character shows at once, and the cut follows beside the window; a place that cuts nothing shows where the cut is") {
+    Worm w;
+    w.run(Worm::cutAt(0.0));
+    w.document().select({{SelectionItem::Kind::Cut, w.character().cuts[0].id, {}, false}});
+    w.settle();
+    auto* x = w.window().inspector().findChild<NumberField*>();  // of its origin
+    REQUIRE(x);
+    REQUIRE(x->value() == 0.0);
+    const int before = w.position();
+    x->setProperty("value", 0.75);
+    CHECK(w.position() == before);
+    REQUIRE(w.window().steps().running());
+    QCoreApplication::processEvents();
+    CHECK(x->value() == 0.75);
+    w.waitOn();
+    CHECK(w.position() == before + 1);
+    CHECK(w.character().cuts[0].plane.origin.x() == 0.75);
+    x = w.window().inspector().findChild<NumberField*>();
+    REQUIRE(x);
+    CHECK(x->value() == 0.75);
+    x->setProperty("value", 50.0);  // beyond its end
+    w.waitOn();
+    CHECK(w.position() == before + 1);
+    CHECK(w.window().messages().isVisible());
+    x = w.window().inspector().findChild<NumberField*>();
+    REQUIRE(x);
+    CHECK(x->value() == 0.75);
+}
+
+TEST_CASE("start page: a project that is saved or opened gets a small picture of what the view shows, drawn beside the window") {
+    Worm w;
+    const QString file = w.folder.filePath(QStringLiteral("worm.imomushi"));
+    RecentFiles& recent = w.window().files().recent();
+    QFile::remove(recent.thumbnailFile(file));
+    w.run({{"do", "save"}, {"path", file.toStdString()}});
+    REQUIRE(w.window().files().save());
+    waitFor([&] { return !recent.thumbnail(file).isNull(); });
+    const QImage small = recent.thumbnail(file);
+    CHECK(small.size() == RecentFiles::kThumbnail);
+    // The worm in the middle, the ground beside it.
+    const auto at = [&](double right, double down) { return small.pixelColor(int(right * small.width()), int(down * small.height())); };
+    CHECK(std::abs(at(0.5, 0.5).lightness() - at(0.02, 0.02).lightness()) > 20);
+    recent.remove(file);
+    CHECK(recent.thumbnail(file).isNull());
 }

@@ -12,7 +12,7 @@
 #include "ui/models/texts.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/panels/time_bar.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/widgets/appearance.h"
 
 using namespace imomushi;

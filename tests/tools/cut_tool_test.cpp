@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/stage.h"
 #include "ui/models/paths.h"
+#include "ui/picking/cut_preview.h"
+#include "ui/picking/picking.h"
 #include "ui/scene/cut_frame.h"
 #include "ui/scene/document_scene.h"
-#include "ui/tools/cut_preview.h"
 #include "ui/tools/face_tool.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 
 using namespace imomushi;

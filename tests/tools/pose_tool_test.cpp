@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/tools/stage.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 using namespace imomushi;
 using Kind = SelectionItem::Kind;

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/tools/select_tool.h"
 
+#include <QLineF>
+#include <QPolygonF>
+#include <map>
+#include <random>
+#include <set>
+
 #include "tests/tools/stage.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 using namespace imomushi;
 using Kind = SelectionItem::Kind;
@@ -189,6 +195,63 @@ TEST_CASE("select: Ctrl and a drag draw a loop, which takes what it touches when
     draw(hook, Qt::ControlModifier);
     tool.cancel();
     CHECK(stage.document().selection().size() == 2);
+}
+
+TEST_CASE("select: boxes and loops take what has an edge that touches them, whatever shape they have, of flesh near and far") {
+    ToolStage stage;
+    // Each of more triangles than are asked together.
+    stage.add("round", shapes::sphere(0.7, 3).mesh);
+    stage.add("far", shapes::moved(shapes::sphere(0.4, 3), Eigen::Matrix3d::Identity(), Vec3(1.4, 0.0, -2.0)).mesh);
+    bool orthographic = true;
+    SUBCASE("without perspective") {}
+    SUBCASE("with perspective") { orthographic = false; }
+    stage.camera.setOrthographic(orthographic);
+    stage.look(ViewAxis::Front);
+    const PointerEvent view = stage.at(0, 0, Qt::NoButton, Qt::NoButton);
+    std::mt19937 random(20261130);
+    const auto number = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    const auto touches = [](const QPointF& a, const QPointF& b, const auto& contains, const QPolygonF& outline) {
+        if (contains(a) || contains(b)) return true;
+        for (qsizetype i = 0; i < outline.size(); ++i)
+            if (QLineF(a, b).intersects(QLineF(outline[i], outline[(i + 1) % outline.size()])) == QLineF::BoundedIntersection) return true;
+        return false;
+    };
+    const auto expected = [&](const auto& contains, const QPolygonF& outline) {
+        std::set<PartId> found;
+        for (const auto& [id, element] : stage.now().elements) {
+            const TriangleMesh& mesh = element->mesh->body;
+            const auto at = [&](Eigen::Index t, int c) {
+                const auto p = view.onScreen(mesh.vertices.row(mesh.triangles(t, c % 3)).transpose());
+                REQUIRE(p);
+                return QPointF(p->x(), p->y());
+            };
+            for (Eigen::Index t = 0; t < mesh.triangles.rows() && !found.contains(id); ++t)
+                for (int c = 0; c < 3; ++c)
+                    if (touches(at(t, c), at(t, c + 1), contains, outline)) found.insert(id);
+        }
+        return found;
+    };
+    const auto ids = [](const std::vector<SelectionItem>& items) {
+        std::set<PartId> found;
+        for (const SelectionItem& item : items) found.insert(item.part);
+        return found;
+    };
+    const Eigen::Vector2d low = stage.screen(Vec3(-1.0, 1.0, 0.0)), high = stage.screen(Vec3(2.2, -1.0, 0.0));
+    const auto somewhere = [&] { return QPointF(number(low.x(), high.x()), number(low.y(), high.y())); };
+    std::map<std::size_t, int> taken;  // how many were taken, how often
+    for (int i = 0; i < 150; ++i) {
+        CAPTURE(i);
+        const QPointF from = somewhere();
+        const QRectF box(from, QSizeF(number(0.5, 160.0), number(0.5, 160.0)));
+        const auto inBox = expected([&](const QPointF& p) { return box.contains(p); }, QPolygonF({box.topLeft(), box.topRight(), box.bottomRight(), box.bottomLeft()}));
+        CHECK(ids(itemsWithin(stage.session(), view, box)) == inBox);
+        QPolygonF loop;  // it may cross itself, or be as thin as a line
+        for (int k = 0; k < 3 + i % 9; ++k) loop << (i % 3 == 0 ? from + (somewhere() - from) * 0.2 : somewhere());
+        const auto inLoop = expected([&](const QPointF& p) { return loop.containsPoint(p, Qt::WindingFill); }, loop);
+        CHECK(ids(itemsWithin(stage.session(), view, loop)) == inLoop);
+        ++taken[inBox.size()], ++taken[inLoop.size()];
+    }
+    for (std::size_t n = 0; n <= 2; ++n) CHECK(taken[n] > 10);
 }
 
 TEST_CASE("picking: hidden and locked bones and joint faces are looked through, and what is locked is not grabbed by G") {

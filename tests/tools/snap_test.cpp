@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "tests/tools/stage.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/bone_tool.h"
 #include "ui/tools/pose_tool.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/select_tool.h"
 
 using namespace imomushi;

@@ -178,7 +178,7 @@ std::vector<JointFace> patches(const TriangleMesh& body, int count, std::mt19937
     std::vector<char> used(static_cast<std::size_t>(body.vertices.rows()), 0);
     std::uniform_int_distribution<std::int32_t> pick(0, static_cast<std::int32_t>(body.triangles.rows()) - 1);
     for (int attempt = 0; attempt < 100 && static_cast<int>(out.size()) < count; ++attempt) {
-        const auto face = jointFaceBySeed(body, pick(random), 0.6, 0.2);
+        const auto face = jointFaceBySeed(body, EdgeTable(body.triangles), pick(random), 0.6, 0.2);
         if (!face) continue;
         bool free = true;
         for (const auto v : face->vertices) free = free && !used[static_cast<std::size_t>(v)];

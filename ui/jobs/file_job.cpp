@@ -11,6 +11,7 @@
 
 #include "core/document/document_change.h"
 #include "core/session/prepared_step.h"
+#include "ui/models/failures.h"
 
 namespace imomushi {
 namespace {
@@ -71,9 +72,11 @@ void FileJob::read(const CommandRegistry& registry, const std::filesystem::path&
     };
     auto box = std::make_shared<Read>();
     launch(
-        [box, path, version, &registry](const Progress&) {
+        [box, path, version, &registry, afterwards = afterwards_](const Progress&) {
             box->project = loadProject(path, version);
-            if (*box->project) box->character = buildCharacter(registry, **box->project);
+            if (!*box->project) return;
+            box->character = buildCharacter(registry, **box->project);
+            if (afterwards) attempt([&] { afterwards((*box->project)->document); });  // without it the project is as good
         },
         [this, box] {
             read_ = std::move(box->project);

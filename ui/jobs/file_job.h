@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/document/command.h"
 #include "core/project/project_versions.h"
@@ -23,6 +25,8 @@ public:
     /// As loadProject() and storeProject(); they return when that is done, or has failed by an exception, and are not called while one of them waits.
     void read(const CommandRegistry& registry, const std::filesystem::path& path, std::optional<std::int64_t> version);
     void write(const std::filesystem::path& path, Project project, const VersionLimits& limits);
+    /// Called on the other thread with the document that was read: what would be made when somebody first asks is made there.
+    void setAfterwards(std::function<void(const Document&)> afterwards) { afterwards_ = std::move(afterwards); }
 
     /// What the last one read, once; none: something else.
     [[nodiscard]] std::optional<Result<Project>> takeRead(const std::filesystem::path& path, std::optional<std::int64_t> version);
@@ -37,6 +41,7 @@ signals:
 private:
     void wait();
 
+    std::function<void(const Document&)> afterwards_;
     std::filesystem::path path_;
     std::optional<std::int64_t> version_;
     std::shared_ptr<const Project> project_;  // that was written

@@ -11,8 +11,8 @@ void StepJob::start(StudioDocument& document, const SlowStep& step) {
     result_ = nullptr;
     auto box = std::make_shared<std::shared_ptr<const Result<PreparedStep>>>();
     launch(
-        [box, &registry = document.session().registry(), project = document.project(), command = step.command, arrange = step.arrange, lookFurther = step.lookFurther, afterwards = afterwards_](const Progress& progress) {
-            *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, command, arrange, progress));
+        [box, &registry = document.session().registry(), project = document.project(), commands = step.commands(), arrange = step.arrange, lookFurther = step.lookFurther, afterwards = afterwards_](const Progress& progress) {
+            *box = std::make_shared<const Result<PreparedStep>>(prepareStep(registry, project, commands, arrange, progress));
             if (progress.cancelled()) return;
             // Without these the step is as good.
             if (**box && afterwards) attempt([&] { afterwards((**box)->after); });

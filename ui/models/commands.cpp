@@ -212,6 +212,16 @@ Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, con
 }
 
 Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal) { return {{"do", "move-cut"}, {"cut", cut}, {"plane", planeJson(origin, normal)}}; }
+std::optional<CutPlane> planeOfMoved(const Json& command, const std::string& cut) {
+    if (command.at("do") != "move-cut" || command.at("cut") != cut) return std::nullopt;
+    CutPlane plane;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+        const auto axis = std::size_t(k);
+        plane.origin[k] = command.at("plane").at("origin").at(axis).get<double>();
+        plane.normal[k] = command.at("plane").at("normal").at(axis).get<double>();
+    }
+    return plane;
+}
 Json removeCut(const std::string& cut) { return {{"do", "remove-cut"}, {"cut", cut}}; }
 
 Json editJointFace(const std::string& face, const std::vector<std::int32_t>& vertices) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/body/body.h"
+#include "core/body/cut.h"
 #include "core/document/command.h"
 #include "core/document/effects.h"
 #include "core/input/input_decoder.h"
@@ -162,6 +163,8 @@ Json removeElement(const std::string& name);
 Json cut(const std::string& element, const Vec3& origin, const Vec3& normal, const std::optional<std::pair<std::string, std::string>>& names = {},
          const std::optional<std::string>& name = {});
 Json moveCut(const std::string& cut, const Vec3& origin, const Vec3& normal);
+/// Where a command moves the cut. None: it moves another one, or does something else.
+std::optional<CutPlane> planeOfMoved(const Json& command, const std::string& cut);
 Json removeCut(const std::string& cut);
 struct Attach {
     std::string character, part;

@@ -5,12 +5,8 @@
 #include <QCryptographicHash>
 #include <QDir>
 #include <QFileInfo>
-#include <QPointer>
 #include <QSettings>
 #include <QStandardPaths>
-#include <QThreadPool>
-
-#include "ui/models/failures.h"
 
 namespace imomushi {
 namespace {
@@ -56,20 +52,7 @@ void RecentFiles::remove(const QString& path) {
 
 QImage RecentFiles::thumbnail(const QString& path) const { return QImage(thumbnailPath(path)); }
 
-void RecentFiles::setThumbnail(const QString& path, const QImage& picture) {
-    if (picture.isNull()) return;
-    QThreadPool::globalInstance()->start([picture, file = thumbnailPath(path), here = QPointer(this)] {
-        attempt([&] {
-            // The middle of the view in the shape of the tiles of the start page.
-            const QSize tile(480, 300);
-            const QImage scaled = picture.scaled(tile, Qt::KeepAspectRatioByExpanding, Qt::SmoothTransformation);
-            scaled.copy((scaled.width() - tile.width()) / 2, (scaled.height() - tile.height()) / 2, tile.width(), tile.height()).save(file);
-            QMetaObject::invokeMethod(QCoreApplication::instance(), [here] {
-                if (here) Q_EMIT here->changed();
-            });
-        });
-    });
-}
+QString RecentFiles::thumbnailFile(const QString& path) const { return thumbnailPath(path); }
 
 QList<Sample> samples() {
     QList<Sample> found;

@@ -16,8 +16,11 @@ public:
     void add(const QString& path);
     void remove(const QString& path);
 
+    static constexpr QSize kThumbnail{480, 300};  ///< pixels, in the shape of the tiles of the start page
     [[nodiscard]] QImage thumbnail(const QString& path) const;  ///< null: none
-    void setThumbnail(const QString& path, const QImage& picture);
+    /// Where the small picture of a project belongs; its folder is there.
+    [[nodiscard]] QString thumbnailFile(const QString& path) const;
+    void thumbnailDrawn() { Q_EMIT changed(); }
 
 signals:
     void changed();

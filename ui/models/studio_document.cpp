@@ -106,8 +106,10 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     return answer;
 }
 
+bool StudioDocument::worksBeside(const SlowStep& step) const { return beside_ && takesLong(document(), step); }
+
 void StudioDocument::executeSlow(SlowStep step) {
-    if (beside_ && !inGesture() && takesLong(document(), step)) return beside_(std::move(step));
+    if (!inGesture() && worksBeside(step)) return beside_(std::move(step));
     executeAtOnce(step);
 }
 
@@ -141,7 +143,14 @@ bool StudioDocument::turnedOn(EffectKind effect, PartId element) const {
 void StudioDocument::executeAtOnce(const SlowStep& step) {
     const Services usual = session_.services();
     if (step.arrange) step.arrange(session_);
-    const auto answer = execute(step.command, bool(step.refused));
+    const std::vector<Json> commands = step.commands();
+    std::optional<Gesture> together;
+    if (commands.size() > 1) together.emplace(*this);
+    Result<Json> answer;
+    for (const Json& command : commands)
+        if (!(answer = execute(command, bool(step.refused)))) break;
+    if (answer && together) together->commit();
+    together.reset();
     session_.services() = usual;
     if (answer) {
         if (step.done) step.done(*answer);
@@ -151,10 +160,11 @@ void StudioDocument::executeAtOnce(const SlowStep& step) {
     }
 }
 
-Result<Json> StudioDocument::executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step) {
-    session_.setPrepared(std::move(step));
-    auto answer = execute(command);
-    session_.setPrepared(nullptr);
+Result<Json> StudioDocument::takePrepared(const PreparedStep& step) {
+    Q_EMIT changing();
+    auto answer = session_.takePrepared(step);
+    Q_EMIT changeDone();
+    if (!answer) Q_EMIT failed(errorText(answer.error()));
     return answer;
 }
 

@@ -41,8 +41,10 @@ public:
     /// Runs one command on this thread. On failure emits failed() unless `quiet`.
     Result<Json> execute(const Json& command, bool quiet = false);
 
-    /// Executes a command that may take its time: at once where the document is small or a gesture is open, else beside the window (setBeside()), some time later.
+    /// Executes what may take its time: at once where the document is small or a gesture is open, else beside the window (setBeside()), some time later.
     void executeSlow(SlowStep step);
+    /// executeSlow() would do it beside the window, were no gesture open.
+    [[nodiscard]] bool worksBeside(const SlowStep& step) const;
     /// The same while the window waits.
     void executeAtOnce(const SlowStep& step);
     /// Who does slow steps beside the window, and gives up those that are not made yet; nobody: they are done at once.
@@ -54,8 +56,8 @@ public:
     /// Whether an effect is on, or on an element, when what is under way is done: what switches show.
     [[nodiscard]] bool turnedOn(EffectKind effect) const;
     [[nodiscard]] bool turnedOn(EffectKind effect, PartId element) const;
-    /// The same as execute(), of a command whose work was done beside the window.
-    Result<Json> executePrepared(const Json& command, std::shared_ptr<const PreparedStep> step);
+    /// The same as execute(), of what was done beside the window and fits the document. On failure emits failed().
+    Result<Json> takePrepared(const PreparedStep& step);
     /// What slow commands ask for; the studio answers from what was done beside the window.
     [[nodiscard]] Services& services() { return session_.services(); }
     /// Derived from the document; jobs put there what they solved.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/render/image.h"
+#include "ui/render/decoded_textures.h"
 
 namespace imomushi::render {
 
@@ -12,8 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-TextureName makeTexture(const Texture& texture) {
-    const auto image = decodeImage(texture.bytes);
+TextureName makeTexture(const std::optional<Image>& image) {
     if (!image) return {};
     GLuint n = 0;
     glGenTextures(1, &n);
@@ -33,7 +32,7 @@ std::shared_ptr<const std::vector<TextureName>> BodyStore::texturesOf(const std:
     for (const auto& [key, known] : bodies_)
         if (known.textureSource == source) return known.textures;
     auto made = std::make_shared<std::vector<TextureName>>();
-    for (const Texture& t : source->renderMesh.textures) made->push_back(makeTexture(t));
+    for (const auto& image : takeTextures(source)) made->push_back(makeTexture(image));
     glBindTexture(GL_TEXTURE_2D, 0);
     return made;
 }

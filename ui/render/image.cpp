@@ -4,10 +4,13 @@
 #include <png.h>
 #include <turbojpeg.h>
 
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "core/base/atomic_file.h"
 
 namespace imomushi::render {
 
@@ -58,12 +61,10 @@ Result<void> writePng(const std::string& path, const std::vector<std::uint8_t>& 
     png.width = static_cast<png_uint_32>(width);
     png.height = static_cast<png_uint_32>(height);
     png.format = PNG_FORMAT_RGBA;
-    const std::filesystem::path file(std::u8string(path.begin(), path.end()));
-    std::FILE* out = std::fopen(file.c_str(), "wb");
-    bool good = out && png_image_write_to_stdio(&png, out, 0, rgba.data(), 0, nullptr);
-    if (out) good = (std::fclose(out) == 0) && good;
-    if (!good) return fail("not-writable", "The picture " + path + " cannot be written: choose a folder that exists and where you may write.");
-    return {};
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::string bytes(size, '\0');
+    if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, rgba.data(), 0, nullptr)) throw std::bad_alloc();  // nothing else can go wrong
+    return writeFileAtomically(std::u8string(path.begin(), path.end()), std::string_view(bytes).substr(0, size));
 }
 
 }  // namespace imomushi::render

@@ -19,7 +19,7 @@ struct Image {
 /// Decodes PNG or JPEG bytes, told apart by their first bytes. Errors: "bad-image" (neither, damaged, or larger than 8192 pixels a side).
 Result<Image> decodeImage(const std::vector<std::uint8_t>& bytes);
 
-/// Writes RGBA rows as a PNG file. `path` is UTF-8. Errors: "not-writable".
+/// Writes RGBA rows as a PNG file, whole or not at all. `path` is UTF-8. Errors: "not-writable", "disk-full".
 Result<void> writePng(const std::string& path, const std::vector<std::uint8_t>& rgba, int width, int height);
 
 }  // namespace imomushi::render

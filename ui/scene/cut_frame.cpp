@@ -38,11 +38,12 @@ std::optional<CutFrame> cutFrame(const Session& session, PartId id) {
     const Vec3 normal = cut.plane.normal.stableNormalized();
     frame.normal = normal;
     frame.centre = frame.restCentre = cut.plane.origin;
-    frame.reach = kReach * diagonalOf(character->body->mesh.vertices);
     const auto behind = document.elements.find(frame.elements[0]);
     const int index = behind == document.elements.end() ? -1 : behind->second->faceIndex(face);
-    if (index < 0) return frame;
-
+    if (index < 0) {
+        frame.reach = kReach * diagonalOf(character->body->mesh.vertices);
+        return frame;
+    }
     const Element& element = *behind->second;
     const PosedBody body(session, element.id, element);
     const std::vector<std::int32_t>& cap = element.faces[static_cast<std::size_t>(index)].triangles;

@@ -10,6 +10,7 @@
 #include "core/document/bone_limits.h"
 #include "core/document/character_input.h"
 #include "core/joints/seam.h"
+#include "ui/render/decoded_textures.h"
 #include "ui/scene/rim.h"
 
 namespace imomushi {
@@ -44,6 +45,12 @@ std::optional<ScenePart> scenePart(std::uint64_t id) {
     if (answer.kind == ScenePart::Kind::Face) answer.face = static_cast<int>(detail);
     if (answer.kind == ScenePart::Kind::Endpoint) answer.atEnd = detail != 0;
     return answer;
+}
+
+void decodeTextures(const Document& document) {
+    for (const auto& [id, element] : document.elements)
+        if (element->visible && !element->piece) render::decodeTextures(element->mesh);
+    for (const auto& [id, character] : document.characters) render::decodeTextures(std::shared_ptr<const ElementMesh>(character->model, &character->model->mesh));
 }
 
 DocumentScene::ElementParts& DocumentScene::parts(const std::shared_ptr<const Element>& element, const std::vector<int>& coveredFaces) {

@@ -50,6 +50,9 @@ struct SceneOptions {
     render::SceneRenderer* gpu = nullptr;
 };
 
+/// Decodes the textures that scenes of a document show, so that drawing does not wait for that. Any thread.
+void decodeTextures(const Document& document);
+
 /// The scene of a session. Keeps what does not change from frame to frame (outlines, covered triangles); one per view.
 class DocumentScene {
 public:

@@ -7,8 +7,8 @@
 #include "core/base/hash.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
+#include "ui/picking/picking.h"
 #include "ui/scene/document_scene.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "ui/picking/picking.h"
 #include "ui/tools/gizmo.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/symmetry.h"
 #include "ui/tools/transform_drag.h"

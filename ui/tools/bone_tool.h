@@ -4,8 +4,8 @@
 #include <optional>
 #include <set>
 
+#include "ui/picking/picking.h"
 #include "ui/tools/bone_drag.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
 namespace imomushi {

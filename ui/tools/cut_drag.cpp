@@ -8,7 +8,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
@@ -96,7 +96,7 @@ bool CutDrag::take(Grip grip, const PointerEvent& e, bool modal) {
     drag.modal = modal;
     drag.last = e;
     drag.grip = std::move(grip);
-    drag.sections = std::make_shared<SectionFinder>(character.body, character.body->mesh);
+    drag.body = character.body;
     drag_ = std::move(drag);
     snap_.begin();
     return true;
@@ -180,13 +180,15 @@ void CutDrag::preview() {
     drag_->outline.clear();
     drag_->refusal.clear();
     const CutFrame& frame = drag_->grip.frame;
-    const auto outline = drag_->sections->at(plane());
+    const auto sections = sections_.of(drag_->body, drag_->body->mesh);
+    if (!sections) return;
+    const auto outline = sections->at(plane());
     if (!outline) {
         drag_->refusal = errorText(outline.error());
         return;
     }
-    const TriangleMesh& body = drag_->sections->body();
-    drag_->outline = drag_->sections->placed(*outline, [&](std::int32_t v) { return Vec3(frame.centre + frame.rotation * (body.vertices.row(v).transpose() - frame.restCentre)); });
+    const TriangleMesh& body = sections->body();
+    drag_->outline = sections->placed(*outline, [&](std::int32_t v) { return Vec3(frame.centre + frame.rotation * (body.vertices.row(v).transpose() - frame.restCentre)); });
 }
 
 void CutDrag::release(const PointerEvent& e) {

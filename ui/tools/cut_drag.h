@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
+#include "ui/picking/lazy_sections.h"
 #include "ui/scene/cut_frame.h"
-#include "ui/tools/cut_preview.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/tool.h"
 #include "ui/tools/typed_number.h"
@@ -46,7 +46,7 @@ private:
     };
     struct Drag {
         Grip grip;
-        std::shared_ptr<SectionFinder> sections;
+        std::shared_ptr<const Body> body;
         Vec3 centre = Vec3::Zero(), normal = Vec3::UnitX();  ///< of the plane under way, world
         Vec3 held = Vec3::Zero();                            ///< where the pointer was at the last move, m, world
         double lastY = 0.0;                                  ///< of the pointer, pixels of the design
@@ -75,6 +75,10 @@ private:
 
     StudioDocument& document_;
     Snap snap_;
+    LazySections sections_{[this] {
+        if (drag_) preview();
+        Q_EMIT document_.hoverChanged();
+    }};
     std::optional<Drag> drag_;
     std::weak_ptr<const Drag> keeps_;  ///< the one that the cut follows in a while
 };

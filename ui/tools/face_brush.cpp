@@ -9,7 +9,7 @@
 
 #include "core/document/face_references.h"
 #include "core/joints/grown_vertices.h"
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
@@ -54,7 +54,7 @@ bool FaceBrush::on() const { return face_ && freeFace(document_) == face_; }
 
 const Element* FaceBrush::element() const { return on() ? document_.document().elements.at(face_->element).get() : nullptr; }
 
-double FaceBrush::radius(const Element& of) const { return kBrush * std::exp2(widened_ / kNotchesToDouble) * diagonalOf(of.mesh->body.vertices); }
+double FaceBrush::radius(const Element& of) const { return kBrush * std::exp2(widened_ / kNotchesToDouble) * of.mesh->connectivity().diagonal(); }
 
 void FaceBrush::look(const PointerEvent& e) {
     removing_ = stroke_ ? stroke_->removes : (e.modifiers & Qt::ControlModifier) != 0;

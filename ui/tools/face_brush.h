@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/surface_distance.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool.h"
 
 namespace imomushi {

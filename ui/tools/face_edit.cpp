@@ -30,7 +30,7 @@ void FaceTool::grow(int rings) {
 void FaceTool::flood() {
     const FaceRef ref = *edited();
     const Element& of = *document_.document().elements.at(ref.element);
-    const auto region = flatRegion(of, seed_);
+    const auto region = flatRegion(of, seed_, nullptr);
     if (!region) return (void)Q_EMIT document_.failed(errorText(region.error()));
     const auto& own = of.faces[std::size_t(of.faceIndex(ref.face))].vertices;
     std::vector<std::int32_t> both;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "ui/tools/face_tool.h"
 
 namespace imomushi {
@@ -13,7 +13,7 @@ void FaceTool::movePlane(double steps) {
     previewPlane();
     const Element* of = element();
     if (!of) return;
-    const double step = 0.005 * steps * diagonalOf(of->mesh->body.vertices);
+    const double step = 0.005 * steps * of->mesh->connectivity().diagonal();
     plane_->origin += step * plane_->normal;
     plane_->shownOrigin += step * plane_->shownNormal;
     previewPlane();

@@ -2,15 +2,12 @@
 #include "ui/tools/face_tool.h"
 
 #include <Eigen/Geometry>
-#include <QCoreApplication>
 #include <QScopedValueRollback>
-#include <QThreadPool>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "core/mesh/topology.h"
 #include "ui/models/commands.h"
 #include "ui/models/gesture.h"
@@ -34,8 +31,6 @@ constexpr double kMeetDistance = 0.01;
 constexpr double kMeetShape = 0.05;
 /// Normals of faces that meet are opposite to within about 8 degrees.
 constexpr double kMeetCosine = 0.99;
-/// The sections of bodies with at most so many vertices are prepared while the pointer waits: 8 ms.
-constexpr Eigen::Index kAtOnce = 20'000;
 
 Vec3 corner(const TriangleMesh& mesh, std::int32_t triangle, int c) { return mesh.vertices.row(mesh.triangles(triangle, c)); }
 
@@ -44,7 +39,8 @@ Vec3 normalOf(const TriangleMesh& mesh, std::int32_t triangle) {
 }
 
 /// The flat region of `mesh` that meets `face`, if there is one.
-std::optional<JointFace> meetingRegion(const TriangleMesh& mesh, const JointFace& face) {
+std::optional<JointFace> meetingRegion(const ElementMesh& whole, const JointFace& face) {
+    const TriangleMesh& mesh = whole.body;
     std::int32_t seed = -1;
     double nearest = face.size;
     for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
@@ -56,7 +52,7 @@ std::optional<JointFace> meetingRegion(const TriangleMesh& mesh, const JointFace
         seed = t;
     }
     if (seed < 0) return std::nullopt;
-    const auto region = jointFaceBySeed(mesh, seed, kAngle, std::max(kMeetDistance * face.size, face.planarityError));
+    const auto region = jointFaceBySeed(mesh, whole.connectivity().edges(), seed, kAngle, std::max(kMeetDistance * face.size, face.planarityError));
     if (!region || !facesMeet(face, *region)) return std::nullopt;
     return *region;
 }
@@ -104,7 +100,7 @@ int joinNeighbours(StudioDocument& document, const FaceRef& ref) {
         for (const JointFace& other : element->faces)
             if (facesMeet(face, other) && !d.jointOf(FaceRef{id, other.name})) partner = FaceRef{id, other.name};
         if (!partner.element) {
-            const auto region = meetingRegion(element->mesh->body, face);
+            const auto region = meetingRegion(*element->mesh, face);
             if (!region || faceInTheWay(*element, *region)) continue;
             const std::string name = freeFaceName(*element);
             if (!document.execute(commands::addJointFace(element->name, name, region->vertices))) continue;
@@ -133,10 +129,12 @@ void FaceTool::look(PartId id) {
 }
 
 double FaceTool::tolerance(const Element& element) const {
-    return kTolerance * std::ldexp(1.0, widened_) * diagonalOf(element.mesh->body.vertices);
+    return kTolerance * std::ldexp(1.0, widened_) * element.mesh->connectivity().diagonal();
 }
 
-Result<JointFace> FaceTool::flatRegion(const Element& element, std::int32_t triangle) const { return jointFaceBySeed(element.mesh->body, triangle, kAngle, tolerance(element)); }
+Result<JointFace> FaceTool::flatRegion(const Element& element, std::int32_t triangle, const SectionFinder* finder) const {
+    return jointFaceBySeed(element.mesh->body, finder ? finder->edges() : element.mesh->connectivity().edges(), triangle, kAngle, tolerance(element));
+}
 
 void FaceTool::clearPreview() {
     element_ = 0;
@@ -147,34 +145,10 @@ void FaceTool::clearPreview() {
     refusal_.clear();
     cut_.reset();
     section_.reset();
+    sectioned_.reset();
 }
 
-const SectionFinder* FaceTool::sections(const std::shared_ptr<const Element>& element) {
-    if (sectioned_ != element->mesh) {
-        sectioned_ = element->mesh;
-        std::packaged_task<std::shared_ptr<const SectionFinder>()> make([mesh = sectioned_] { return std::make_shared<const SectionFinder>(mesh, mesh->body); });
-        sections_ = make.get_future().share();
-        if (sectioned_->body.vertices.rows() <= kAtOnce) {
-            make();
-        } else {
-            auto beside = std::make_shared<decltype(make)>(std::move(make));
-            QThreadPool::globalInstance()->start([beside, tool = std::weak_ptr(itself_)] {
-                (*beside)();
-                QMetaObject::invokeMethod(
-                    qApp,
-                    [tool] {
-                        const auto alive = tool.lock();
-                        if (!alive) return;
-                        (*alive)->lookAgain();
-                        Q_EMIT (*alive)->document_.hoverChanged();
-                    },
-                    Qt::QueuedConnection);
-            });
-        }
-    }
-    if (!waits_ && sections_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return nullptr;
-    return sections_.get().get();
-}
+std::shared_ptr<const SectionFinder> FaceTool::sections(const std::shared_ptr<const Element>& element) { return sections_.of(element->mesh, element->mesh->body, waits_); }
 
 void FaceTool::preview(const RayHit& hit) {
     look(hit.element);
@@ -186,10 +160,10 @@ void FaceTool::preview(const RayHit& hit) {
         if (shown(*face).picked()) existing_ = face->name;
         return;
     }
-    auto face = flatRegion(*of, hit.triangle);
     // A tolerance that was asked for means a patch, wherever it is.
-    const SectionFinder* finder = widened_ == 0 ? sections(seen_) : nullptr;
+    const auto finder = widened_ == 0 ? sections(seen_) : nullptr;
     if (widened_ == 0 && !finder) return clearPreview();
+    auto face = flatRegion(*of, hit.triangle, finder.get());
     if (finder && !(face && finder->isFacet(*face)))
         if (const auto plane = finder->across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(*plane);
     setPreview(*of, std::move(face));
@@ -204,12 +178,12 @@ void FaceTool::previewPlane() {
     }
     auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
     if (!face && face.error().code == "no-patch")
-        if (const SectionFinder* finder = sections(seen_); finder && finder->at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
+        if (const auto finder = sections(seen_); finder && finder->at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
     setPreview(*of, std::move(face));
 }
 
 void FaceTool::previewCut(const CutPlane& plane) {
-    const SectionFinder* finder = sections(seen_);
+    const auto finder = sections(seen_);
     if (!finder) return;
     auto section = finder->at(plane);
     if (!section) {
@@ -218,6 +192,7 @@ void FaceTool::previewCut(const CutPlane& plane) {
     }
     cut_ = plane;
     section_ = std::move(*section);
+    sectioned_ = finder;
 }
 
 void FaceTool::setPreview(const Element& of, Result<JointFace> face) {
@@ -239,8 +214,8 @@ void FaceTool::placePlane(const RayHit& hit) {
     plane.origin = hit.rest;
     plane.normal = normalOf(body, hit.triangle);
     // On a flat region the plane lies in it, anywhere else it crosses the flesh.
-    const auto patch = flatRegion(*found->second, hit.triangle);
-    const SectionFinder* finder = sections(found->second);
+    const auto finder = sections(found->second);
+    const auto patch = flatRegion(*found->second, hit.triangle, finder.get());
     if (finder && (!patch || !finder->isFacet(*patch)))
         if (const auto across = finder->across(hit.rest, plane.normal, hit.triangle)) {
             plane.origin = across->origin;
@@ -516,7 +491,7 @@ void FaceTool::decorate(render::Scene& scene) const {
     const Element* of = element();
     if (cut_ && section_ && of) {
         const PosedBody body(document_.session(), element_, *of);
-        for (std::vector<Vec3>& loop : sections_.get()->placed(*section_, [&](std::int32_t v) { return body.at(v); })) {
+        for (std::vector<Vec3>& loop : sectioned_->placed(*section_, [&](std::int32_t v) { return body.at(v); })) {
             render::Marker rim;
             rim.shape = render::Marker::Shape::FaceOutline;
             rim.from = rim.to = loop.front();
@@ -534,7 +509,7 @@ void FaceTool::decorate(render::Scene& scene) const {
     render::Marker gizmo;
     gizmo.shape = render::Marker::Shape::PlaneGizmo;
     gizmo.from = plane_->shownOrigin;
-    gizmo.to = plane_->shownOrigin + 0.25 * (of ? diagonalOf(of->mesh->body.vertices) : 1.0) * plane_->shownNormal;
+    gizmo.to = plane_->shownOrigin + 0.25 * (of ? of->mesh->connectivity().diagonal() : 1.0) * plane_->shownNormal;
     scene.markers.push_back(std::move(gizmo));
 }
 

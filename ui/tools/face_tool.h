@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <future>
 #include <memory>
 #include <optional>
 
+#include "ui/picking/picking.h"
 #include "ui/tools/cut_drag.h"
-#include "ui/tools/cut_preview.h"
 #include "ui/tools/face_brush.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/tool.h"
 
 namespace imomushi {
@@ -75,7 +73,7 @@ private:
     /// Selects the cut that was made, and says so.
     static void showCut(StudioDocument& document, const Json& answer);
     /// Null: it is being made; then lookAgain() follows.
-    [[nodiscard]] const SectionFinder* sections(const std::shared_ptr<const Element>& element);
+    [[nodiscard]] std::shared_ptr<const SectionFinder> sections(const std::shared_ptr<const Element>& element);
     /// Shows `face`, or why there is none.
     void setPreview(const Element& of, Result<JointFace> face);
     void clearPreview();
@@ -96,7 +94,7 @@ private:
     [[nodiscard]] QString editHint() const;
     [[nodiscard]] const Element* element() const;
     [[nodiscard]] double tolerance(const Element& element) const;
-    [[nodiscard]] Result<JointFace> flatRegion(const Element& element, std::int32_t triangle) const;
+    [[nodiscard]] Result<JointFace> flatRegion(const Element& element, std::int32_t triangle, const SectionFinder* finder) const;  ///< finder: of its body, null: none is there
 
     PartId element_ = 0;              ///< of the preview
     std::shared_ptr<const Element> seen_;  ///< that element when the preview was made: a changed one needs a new preview
@@ -110,8 +108,11 @@ private:
     Snap snap_;
     std::optional<CutPlane> cut_;     ///< at rest, what a click (Enter) would cut; none: it makes a face
     std::optional<SectionFinder::Outline> section_;  ///< of cut_
-    std::shared_ptr<const ElementMesh> sectioned_;
-    std::shared_future<std::shared_ptr<const SectionFinder>> sections_;  ///< of sectioned_
+    std::shared_ptr<const SectionFinder> sectioned_;  ///< that found it
+    LazySections sections_{[this] {
+        lookAgain();
+        Q_EMIT document_.hoverChanged();
+    }};
     bool waits_ = false;              ///< for sections_: a click or a key wants them now
     std::shared_ptr<FaceTool*> itself_ = std::make_shared<FaceTool*>(this);  ///< gone with this, while a cut is being made
     std::weak_ptr<const CutPlane> cutting_;          ///< the cut that is being made

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/finite.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/commands/handle_commands.h"
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
@@ -53,7 +53,7 @@ bool HandleEdit::begin(Does does, const PointerEvent& e) {
 double HandleEdit::radius() const {
     if (edit_->does == Does::Moves) return edit_->radius;
     const auto of = element();
-    const double most = of ? kLargestHandleRadius * diagonalOf(of->mesh->body.vertices) : edit_->radius;
+    const double most = of ? kLargestHandleRadius * of->mesh->connectivity().diagonal() : edit_->radius;
     return std::clamp(edit_->typed.value(edit_->goes) * edit_->radius, 0.0, most);
 }
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/typed_number.h"
 

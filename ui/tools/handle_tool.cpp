@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/commands/handle_commands.h"
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "ui/models/commands.h"
 #include "ui/models/texts.h"
 #include "ui/tools/select_tool.h"
@@ -28,7 +28,7 @@ const Element* HandleTool::element() const {
 }
 
 double HandleTool::radius(const Element& of) const {
-    return std::min(kDefaultHandleRadius * std::pow(kStep, grown_), kLargestHandleRadius) * diagonalOf(of.mesh->body.vertices);
+    return std::min(kDefaultHandleRadius * std::pow(kStep, grown_), kLargestHandleRadius) * of.mesh->connectivity().diagonal();
 }
 
 void HandleTool::preview(const std::optional<RayHit>& hit) {

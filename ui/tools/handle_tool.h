@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "ui/picking/picking.h"
 #include "ui/tools/handle_edit.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/pose_tool.h"
 #include "ui/tools/tool.h"
 

@@ -11,8 +11,8 @@
 #include "core/document/attachments.h"
 #include "core/document/character_input.h"
 #include "ui/models/commands.h"
+#include "ui/picking/picking.h"
 #include "ui/scene/seen_mesh.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

@@ -8,7 +8,7 @@
 
 #include "core/base/union_find.h"
 #include "ui/models/paths.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/pose_tool.h"
 
 namespace imomushi {

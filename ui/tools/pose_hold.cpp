@@ -3,7 +3,7 @@
 #include "core/live/live_input.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/pose_tool.h"
 
 namespace imomushi {

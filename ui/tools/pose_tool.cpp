@@ -7,10 +7,10 @@
 
 #include "core/base/finite.h"
 #include "core/commands/handle_commands.h"
-#include "core/mesh/bounds.h"
+#include "core/mesh/connectivity.h"
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/pose_fingers.h"
 #include "ui/tools/select_tool.h"
 #include "ui/tools/tool_texts.h"
@@ -104,7 +104,7 @@ bool PoseTool::makePassing(const Flesh& flesh) {
     const auto found = document_.document().elements.find(flesh.hit.element);
     if (found == document_.document().elements.end()) return false;
     const std::shared_ptr<const Element> element = found->second;
-    Passing made{element->name, flesh.hit.rest, kDefaultHandleRadius * diagonalOf(element->mesh->body.vertices), false};
+    Passing made{element->name, flesh.hit.rest, kDefaultHandleRadius * element->mesh->connectivity().diagonal(), false};
     auto patch = handleFace(*element, made.point, made.radius);
     for (int i = 0; i < kHalvings && !patch; ++i) patch = handleFace(*element, made.point, made.radius *= 0.5);
     if (!patch) return false;

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "ui/models/gesture.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/axis_lock.h"
 #include "ui/tools/gizmo.h"
 #include "ui/tools/part_drag.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/snap.h"
 #include "ui/tools/symmetry.h"
 #include "ui/tools/tool.h"

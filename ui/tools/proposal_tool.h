@@ -9,8 +9,8 @@
 
 #include "core/proposal/proposal_mirror.h"
 #include "ui/jobs/cut_trial_job.h"
-#include "ui/tools/cut_preview.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/cut_preview.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool.h"
 
 namespace imomushi {

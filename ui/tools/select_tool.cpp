@@ -6,7 +6,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/gesture.h"
 #include "ui/models/paths.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {
@@ -80,16 +80,20 @@ bool removeSelection(StudioDocument& document) {
         return 4;
     };
     std::stable_sort(items.begin(), items.end(), [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
-    if (items.empty()) return false;
-    if (items.size() == 1) {
-        const auto command = removal(document.document(), items.front());
-        if (command) document.executeSlow({*command});
-        return command.has_value();
+    const auto has = [&](SelectionItem::Kind kind) { return std::ranges::find(items, kind, &SelectionItem::kind) != items.end(); };
+    if (has(SelectionItem::Kind::Cut) && (has(SelectionItem::Kind::Element) || has(SelectionItem::Kind::Character))) {
+        // A cut takes one of its pieces along, so that what is left to remove is known only then.
+        Gesture gesture(document);
+        for (const SelectionItem& item : items)
+            if (const auto command = removal(document.document(), item); command && !document.execute(*command)) return false;
+        gesture.commit();
+        return true;
     }
-    Gesture gesture(document);
+    std::vector<Json> commands;
     for (const SelectionItem& item : items)
-        if (const auto command = removal(document.document(), item); command && !document.execute(*command)) return false;
-    gesture.commit();
+        if (auto command = removal(document.document(), item); command && std::ranges::find(commands, *command) == commands.end()) commands.push_back(std::move(*command));
+    if (commands.empty()) return false;
+    document.executeSlow({commands.size() == 1 ? commands.front() : Json(commands)});
     return true;
 }
 

@@ -10,9 +10,9 @@
 
 #include "core/base/finite.h"
 #include "ui/models/paths.h"
+#include "ui/picking/picking.h"
 #include "ui/scene/posed_body.h"
 #include "ui/scene/seen_mesh.h"
-#include "ui/tools/picking.h"
 #include "ui/tools/tool_texts.h"
 
 namespace imomushi {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 namespace imomushi {
 

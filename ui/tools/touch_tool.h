@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "ui/models/gesture.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/tool.h"
 #include "ui/tools/typed_number.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 namespace imomushi {
 namespace {

@@ -8,9 +8,9 @@
 #include "core/document/kept_pose.h"
 #include "core/session/session_access.h"
 #include "ui/models/commands.h"
+#include "ui/picking/picking.h"
 #include "ui/render/offscreen.h"
 #include "ui/scene/document_scene.h"
-#include "ui/tools/picking.h"
 #include "ui/viewport/camera_controller.h"
 
 namespace imomushi {

@@ -20,7 +20,7 @@
 #include "ui/models/commands.h"
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/tools/select_tool.h"
 #include "ui/tools/typed_number.h"
 #include "ui/viewport/viewport_widget.h"

@@ -12,9 +12,7 @@
 #include "ui/models/failures.h"
 #include "ui/models/paths.h"
 #include "ui/models/texts.h"
-#include "ui/render/image.h"
-#include "ui/render/offscreen.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/viewport/limit_words.h"
 #include "ui/viewport/view_overlay.h"
 #include "ui/viewport/view_words.h"
@@ -31,6 +29,11 @@ constexpr int kStillMs = 150;
 constexpr double kMarkedShare = 0.06;  // of the diagonal, around a place that is framed
 
 }  // namespace
+
+void prepareView(const Document& document) {
+    decodeTextures(document);
+    makePicking(document.elements, document.characters);
+}
 
 ViewportWidget::ViewportWidget(StudioDocument& document, QWidget* parent)
     : QWidget(parent), document_(document), tools_(document), clock_(camera_, meter_) {
@@ -288,7 +291,7 @@ QImage ViewportWidget::grabFramebuffer() {
     return canvas_ ? canvas_->grabFramebuffer() : QImage();
 }
 
-Result<void> ViewportWidget::writePicture(const QString& path, const Picture& picture) {
+render::Scene ViewportWidget::pictureScene(const Picture& picture) {
     SceneOptions options = sceneOptions();
     options.bones = options.bones && picture.markers;
     options.faces = options.faces && picture.markers;
@@ -296,7 +299,7 @@ Result<void> ViewportWidget::writePicture(const QString& path, const Picture& pi
     options.selected.clear();
     options.hovered = 0;
     render::Scene scene;
-    DocumentScene().update(document_.session(), options, scene);
+    documentScene_.update(document_.session(), options, scene);
     if (!picture.markers) scene.markers.clear();
     scene.camera = camera_.camera();
     scene.grid = grid_ && picture.ground;
@@ -304,9 +307,7 @@ Result<void> ViewportWidget::writePicture(const QString& path, const Picture& pi
     scene.darkTheme = dark();
     scene.transparentBackground = picture.transparent;
     scene.pixelRatio = float(Appearance::instance().scale() * picture.size.height() / std::max(height(), 1));
-    const auto rows = render::drawOffscreen(scene, picture.size.width(), picture.size.height());
-    if (!rows) return tl::unexpected(rows.error());
-    return render::writePng(path.toStdString(), *rows, picture.size.width(), picture.size.height());
+    return scene;
 }
 
 void ViewportWidget::resizeEvent(QResizeEvent* e) {

@@ -25,6 +25,9 @@ class QLabel;
 
 namespace imomushi {
 
+/// Makes what a view asks of a document when it first shows it: textures, and what is found under the pointer. Any thread.
+void prepareView(const Document& document);
+
 /// The view of the character: draws it, hands the pointer to the tool, and moves the camera. It draws when something changed, and
 /// at 60 Hz only while something moves. Where there is no OpenGL 3.3 it says so and the rest of the studio goes on.
 class ViewportWidget : public QWidget {
@@ -51,8 +54,8 @@ public:
         bool markers = false;      ///< bones, handles and joint faces, as far as they are shown
         bool ground = true;
     };
-    /// Writes a picture as a PNG file. Nothing is selected in it. Errors: "no-opengl", "bad-size", "out-of-memory", "not-writable".
-    Result<void> writePicture(const QString& path, const Picture& picture);
+    /// What a picture shows; nothing is selected in it. What it points to is valid until the session or the view changes; PictureJob draws it.
+    [[nodiscard]] render::Scene pictureScene(const Picture& picture);
     void setNavigationPreset(NavigationPreset preset);
     [[nodiscard]] NavigationPreset navigationPreset() const { return navigator_.preset(); }
     /// What deforms vertices: the GPU what it can and the processor the rest, or the processor all. Automatic: the GPU, unless OpenGL is software.

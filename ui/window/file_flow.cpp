@@ -26,6 +26,7 @@
 #include "ui/models/paths.h"
 #include "ui/models/selection_commands.h"
 #include "ui/models/texts.h"
+#include "ui/scene/document_scene.h"
 #include "ui/window/step_flow.h"
 
 namespace imomushi {
@@ -83,6 +84,7 @@ FileFlow::FileFlow(StudioDocument& document, StepFlow& steps, QWidget* window)
         auto ready = file_.takeWritten(path, project);
         return ready ? std::move(*ready) : storeProject(path, project, limits);
     };
+    file_.setAfterwards([](const Document& read) { decodeTextures(read); });
     connect(&file_, &FileJob::takesTime, this, [this] { Q_EMIT working(working_); });
 }
 

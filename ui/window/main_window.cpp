@@ -41,6 +41,7 @@
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/poses_panel.h"
 #include "ui/panels/takes_panel.h"
+#include "ui/viewport/picture_job.h"
 #include "ui/viewport/pose_pictures.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
@@ -89,6 +90,7 @@ MainWindow::MainWindow(const CommandRegistry& registry, std::shared_ptr<Response
     replay_ = new ReplayFlow(document_, *files_, *steps_, this);
     clipboard_ = new ClipboardFlow(document_, *steps_, this);
     posePictures_ = new PosePictures(document_, this);
+    thumbnail_ = new PictureJob(this);
     precompute_ = new PrecomputeFlow(document_, [this] { return viewport_->tools().busy(); }, this);
     proposals_ = new ProposalJob(this);
     costs_ = new FrameCostMeter(document_, this);
@@ -146,6 +148,7 @@ MainWindow::~MainWindow() {
     delete proposals_;
     delete clipboard_;
     delete posePictures_;
+    delete thumbnail_;
     delete replay_;
     delete repairs_;
     delete rigs_;
@@ -213,8 +216,7 @@ void MainWindow::connectDocument() {
             if (command == commands::precompute()) return startPrecompute();
             settle();
             // What was turned on may need a precompute, which the tool then offers.
-            if (!command.is_array()) document_.executeSlow({command, {}, [this](const Json&) { viewport_->tools().begin(); }});
-            else if (executeTogether(document_, command.get<std::vector<Json>>())) viewport_->tools().begin();
+            document_.executeSlow({command, {}, [this](const Json&) { viewport_->tools().begin(); }});
         });
     });
     connect(deck_, &TakeDeck::said, this, warning);
@@ -316,7 +318,7 @@ void MainWindow::connectRepairs() {
 void MainWindow::connectSteps() {
     overlays_->job().follow(&steps_->job(), [this] { return steps_->title(); });
     overlays_->job().follow(&rigs_->job(), [this] { return tr("Looking at the bones of “%1”").arg(QString::fromStdString(rigs_->job().character()->name)); });
-    steps_->job().setAfterwards([](const Document& made) { makePicking(made.elements, made.characters); });
+    steps_->job().setAfterwards(prepareView);
     document_.setBeside([this](SlowStep step) { steps_->start(std::move(step)); }, [this] { steps_->giveUp(); });
     connect(steps_, &StepFlow::changed, viewport_, [this] { viewport_->redraw(); });  // what stood where it is going is there, or back
     connect(steps_, &StepFlow::cancelled, this, [this] { messages().say(tr("Cancelled; nothing has changed."), MessageBar::Tone::Info); });
@@ -489,7 +491,10 @@ void MainWindow::keepPicture() {
         const auto& path = document_.session().path();
         if (path.empty() || startShown() || !viewport_->isVisible() || document_.document().elements.empty()) return;
         const QString file = QString::fromStdString(path.string());
-        if (!isSample(file)) files_->recent().setThumbnail(file, viewport_->grabFramebuffer());
+        if (isSample(file)) return;
+        // The middle of the view.
+        const QSize size = viewport_->size().scaled(RecentFiles::kThumbnail, Qt::KeepAspectRatioByExpanding);
+        thumbnail_->start(viewport_->pictureScene({size, false, true, true}), size, files_->recent().thumbnailFile(file), [this](const Result<void>&) { files_->recent().thumbnailDrawn(); }, RecentFiles::kThumbnail);
     });
 }
 

@@ -35,6 +35,7 @@ class MessageBar;
 enum class NavigationPreset;
 class NextSteps;
 class OutlinerPanel;
+class PictureJob;
 class PosePictures;
 class Overlays;
 class ProposalJob;
@@ -166,6 +167,7 @@ private:
     ReplayFlow* replay_;
     ClipboardFlow* clipboard_;
     PosePictures* posePictures_;
+    PictureJob* thumbnail_;  ///< for the start page
     PrecomputeFlow* precompute_;
     DragOptions* drags_ = nullptr;
     ProposalJob* proposals_;

@@ -27,6 +27,7 @@
 #include "ui/panels/outliner_panel.h"
 #include "ui/panels/takes_panel.h"
 #include "ui/tools/select_tool.h"
+#include "ui/viewport/picture_job.h"
 #include "ui/viewport/viewport_widget.h"
 #include "ui/widgets/appearance.h"
 #include "ui/window/action_states.h"
@@ -35,7 +36,9 @@
 #include "ui/window/drag_options.h"
 #include "ui/window/file_flow.h"
 #include "ui/window/main_window.h"
+#include "ui/window/job_card.h"
 #include "ui/window/message_bar.h"
+#include "ui/window/overlays.h"
 #include "ui/window/rig_flow.h"
 #include "ui/window/stage_mode.h"
 #include "ui/window/studio_actions.h"
@@ -405,9 +408,13 @@ void MainWindow::savePicture() {
     QString path = QFileDialog::getSaveFileName(this, tr("Save a picture"), start, tr("Pictures (*.png)"));
     if (path.isEmpty()) return;
     if (QFileInfo(path).suffix().isEmpty()) path += QStringLiteral(".png");
-    const auto done = viewport_->writePicture(path, dialog.picture());
-    if (done) messages().say(tr("Wrote “%1”").arg(QFileInfo(path).fileName()), MessageBar::Tone::Good);
-    else messages().say(errorText(done.error()), MessageBar::Tone::Warning);
+    auto* job = new PictureJob(this);
+    overlays_->job().follow(job, [path] { return tr("Drawing “%1”").arg(QFileInfo(path).fileName()); });
+    connect(job, &BackgroundJob::finished, job, &QObject::deleteLater);
+    job->start(viewport_->pictureScene(dialog.picture()), dialog.picture().size, path, [this, path](const Result<void>& done) {
+        if (done) messages().say(tr("Wrote “%1”").arg(QFileInfo(path).fileName()), MessageBar::Tone::Good);
+        else messages().say(errorText(done.error()), MessageBar::Tone::Warning);
+    });
 }
 
 void MainWindow::openExport() {

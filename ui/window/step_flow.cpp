@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/window/step_flow.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/document/document_change.h"
@@ -28,7 +30,7 @@ StepFlow::StepFlow(StudioDocument& document, std::function<bool()> busy, QObject
 
 void StepFlow::tell() {
     std::vector<Json> commands;
-    for (const Waiting& one : waiting_) commands.push_back(one.step.command);
+    for (const Waiting& one : waiting_) std::ranges::move(one.step.commands(), std::back_inserter(commands));
     document_.setUnderWay(std::move(commands));
     Q_EMIT changed();
 }
@@ -36,7 +38,7 @@ void StepFlow::tell() {
 QString StepFlow::title() const {
     if (waiting_.empty()) return {};
     const SlowStep& step = waiting_.front().step;
-    return step.title.isEmpty() ? stepText(step.command.at("do").get<std::string>(), {}) : step.title;
+    return step.title.isEmpty() ? stepText(step.commands().back().at("do").get<std::string>(), {}) : step.title;
 }
 
 void StepFlow::start(SlowStep step) {
@@ -90,7 +92,7 @@ void StepFlow::finish() {
         if (!fits) {
             document_.executeAtOnce(step);
         } else if (*made) {
-            const auto answer = document_.executePrepared(step.command, {made, &**made});
+            const auto answer = document_.takePrepared(**made);
             if (answer && step.done) step.done(*answer);
         } else if (step.refused) {
             step.refused(made->error());

@@ -42,30 +42,38 @@ QString CutForm::beside(const SelectionItem& item, bool front) const {
     return {};
 }
 
+std::optional<CutPlane> CutForm::plane(const SelectionItem& item) const {
+    const Cut* cut = cutOf(now(), item);
+    if (!cut) return std::nullopt;
+    CutPlane plane = cut->plane;
+    for (const Json& command : document_.underWay())
+        if (const auto moved = commands::planeOfMoved(command, cut->name)) plane = *moved;
+    return plane;
+}
+
 void CutForm::addPlane(const SelectionItem& item) {
     const CharacterSource* character = characterOf(now(), item);
     const double diagonal = character ? diagonalOf(character->body->mesh.vertices) : 1.0;
     static constexpr const char* kAxes[] = {"X", "Y", "Z"};
     const auto command = [this](const SelectionItem& of, const auto& change) {
-        CutPlane plane;
-        if (const Cut* cut = cutOf(now(), of)) plane = cut->plane;
-        change(plane);
-        return commands::moveCut(path(of), plane.origin, plane.normal);
+        CutPlane wanted = plane(of).value_or(CutPlane());
+        change(wanted);
+        return commands::moveCut(path(of), wanted.origin, wanted.normal);
     };
     addSection(tr("Origin at rest"));
     for (int axis = 0; axis < 3; ++axis)
-        addNumber(QLatin1String(kAxes[axis]), {QStringLiteral("m"), -1e6, 1e6, 0.002 * diagonal, 4, 1.0, {}}, {item},
+        addSlowNumber(QLatin1String(kAxes[axis]), {QStringLiteral("m"), -1e6, 1e6, 0.002 * diagonal, 4, 1.0, {}}, {item},
                   [this, axis](const SelectionItem& of) -> std::optional<double> {
-                      const Cut* cut = cutOf(now(), of);
-                      return cut ? std::optional(cut->plane.origin[axis]) : std::nullopt;
+                      const auto shown = plane(of);
+                      return shown ? std::optional(shown->origin[axis]) : std::nullopt;
                   },
                   [command, axis](const SelectionItem& of, double value) { return command(of, [&](CutPlane& plane) { plane.origin[axis] = value; }); });
     addSection(tr("Normal at rest"));
     for (int axis = 0; axis < 3; ++axis)
-        addNumber(QLatin1String(kAxes[axis]), {{}, -1.0, 1.0, 0.01, 3, 1.0, {}}, {item},
+        addSlowNumber(QLatin1String(kAxes[axis]), {{}, -1.0, 1.0, 0.01, 3, 1.0, {}}, {item},
                   [this, axis](const SelectionItem& of) -> std::optional<double> {
-                      const Cut* cut = cutOf(now(), of);
-                      return cut ? std::optional(cut->plane.normal.stableNormalized()[axis]) : std::nullopt;
+                      const auto shown = plane(of);
+                      return shown ? std::optional(shown->normal.stableNormalized()[axis]) : std::nullopt;
                   },
                   [command, axis](const SelectionItem& of, double value) {
                       return command(of, [&](CutPlane& plane) {

@@ -4,7 +4,7 @@
 #include "core/document/character_input.h"
 #include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_forms.h"
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 #include "ui/widgets/appearance.h"
 #include "ui/widgets/layouts.h"
 

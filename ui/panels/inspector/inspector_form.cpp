@@ -115,7 +115,7 @@ void InspectorForm::addName(const SelectionItem& item) {
 
 void InspectorForm::addNumber(const QString& label, NumberField::Spec spec, const Items& items, Get get, std::function<Json(const SelectionItem&, double)> command) {
     auto* field = new NumberField(std::move(spec), this);
-    addRow(label, field);
+    addNumberField(field, label, items, std::move(get));
     connect(field, &NumberField::editStarted, this, [this] { gesture_ = std::make_unique<Gesture>(document_); });
     connect(field, &NumberField::valueEdited, this, [this, items, command = std::move(command)](double value) {
         for (const SelectionItem& item : items)
@@ -126,6 +126,29 @@ void InspectorForm::addNumber(const QString& label, NumberField::Spec spec, cons
         gesture_.reset();
         refresh();
     });
+}
+
+void InspectorForm::addSlowNumber(const QString& label, NumberField::Spec spec, const Items& items, Get get, std::function<Json(const SelectionItem&, double)> command) {
+    SlowStep step;
+    step.command = Json::array();
+    if (!document_.worksBeside(step)) return addNumber(label, std::move(spec), items, std::move(get), std::move(command));
+    auto* field = new NumberField(std::move(spec), this);
+    addNumberField(field, label, items, std::move(get));
+    const auto edited = std::make_shared<std::optional<double>>();
+    connect(field, &NumberField::valueEdited, this, [edited](double value) { *edited = value; });
+    connect(field, &NumberField::editEnded, this, [this, edited, items, command = std::move(command)](bool keep) {
+        const auto value = std::exchange(*edited, std::nullopt);
+        if (keep && value) {
+            Json commands = Json::array();
+            for (const SelectionItem& item : items) commands.push_back(command(item, *value));
+            document_.executeSlow({commands.size() == 1 ? commands.front() : commands});
+        }
+        refresh();
+    });
+}
+
+void InspectorForm::addNumberField(NumberField* field, const QString& label, const Items& items, Get get) {
+    addRow(label, field);
     follow([field, items, get = std::move(get)] {
         constexpr double kSame = 1e-12;  // rounding
         std::optional<double> common;

@@ -51,6 +51,8 @@ protected:
     void addName(const SelectionItem& item);
     /// Shows what all `items` have in common; an edit issues `command` on each, all as one step.
     void addNumber(const QString& label, NumberField::Spec spec, const Items& items, Get get, std::function<Json(const SelectionItem&, double)> command);
+    /// The same of commands that take their time: where they are executed beside the window, once the edit has ended.
+    void addSlowNumber(const QString& label, NumberField::Spec spec, const Items& items, Get get, std::function<Json(const SelectionItem&, double)> command);
     void addProperty(const QString& label, NumberField::Spec spec, const Items& items, Get get, commands::Property<double> property);
     /// `current`: none where none of the choices holds for all that is shown; then it shows its placeholder.
     template <class Value>
@@ -72,6 +74,7 @@ protected:
     QGridLayout* grid_ = nullptr;  ///< of the section that rows go to
 
 private:
+    void addNumberField(NumberField* field, const QString& label, const Items& items, Get get);
     QComboBox* addChoiceOf(const QString& label, const QStringList& texts, std::function<int()> current, std::function<void(int)> choose);
 
     std::vector<std::function<void()>> refreshers_;

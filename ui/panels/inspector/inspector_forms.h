@@ -71,6 +71,8 @@ public:
 
 private:
     void addPlane(const SelectionItem& item);
+    /// Of the cut at rest, as it will be when what is under way is done. None: there is no such cut.
+    [[nodiscard]] std::optional<CutPlane> plane(const SelectionItem& item) const;
     [[nodiscard]] QString beside(const SelectionItem& item, bool front) const;
 };
 

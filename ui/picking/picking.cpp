@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ui/tools/picking.h"
+#include "ui/picking/picking.h"
 
 #include <Eigen/Geometry>
 #include <QThreadPool>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 
 #include "core/base/decompositions.h"
 #include "core/document/character_input.h"
@@ -68,9 +70,13 @@ bool touches(const QRectF& box, const Eigen::Vector2d& a, const Eigen::Vector2d&
     return least <= 0.0 && most >= 0.0;
 }
 
+/// How a rectangle lies to an area.
+enum class Lies { Outside, Inside, Across };
+
 /// What a drag over the view goes round.
 struct BoxArea {
     QRectF box;
+    [[nodiscard]] Lies where(const QRectF& what) const { return box.contains(what) ? Lies::Inside : box.intersects(what) ? Lies::Across : Lies::Outside; }
     [[nodiscard]] bool contains(const Eigen::Vector2d& p) const { return box.contains(QPointF(p.x(), p.y())); }
     /// Of a segment with both ends outside.
     [[nodiscard]] bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const { return touches(box, a, b); }
@@ -80,6 +86,14 @@ struct BoxArea {
 struct LoopArea {
     QPolygonF loop;
     QRectF bounds = loop.boundingRect();
+    [[nodiscard]] Lies where(const QRectF& what) const {
+        if (!bounds.intersects(what)) return Lies::Outside;
+        for (qsizetype i = 0; i < loop.size(); ++i) {
+            const QPointF &a = loop[i], &b = loop[(i + 1) % loop.size()];
+            if (touches(what, {a.x(), a.y()}, {b.x(), b.y()})) return Lies::Across;
+        }
+        return contains({what.center().x(), what.center().y()}) ? Lies::Inside : Lies::Outside;
+    }
     [[nodiscard]] bool contains(const Eigen::Vector2d& p) const { return bounds.contains(QPointF(p.x(), p.y())) && loop.containsPoint(QPointF(p.x(), p.y()), Qt::WindingFill); }
     [[nodiscard]] bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
         if (!touches(bounds, a, b)) return false;
@@ -89,6 +103,13 @@ struct LoopArea {
         return false;
     }
 };
+
+/// Calls use(at), where at(vertex) is the place of a vertex of a mesh now, m: as floats, or at rest.
+template <class Use>
+void withPlaces(const float* posed, const Points& rest, const Use& use) {
+    if (posed) use([posed](std::int32_t v) { return Eigen::Vector3f(posed + 3 * std::ptrdiff_t(v)); });
+    else use([&rest](std::int32_t v) { return Vec3(rest.row(v)); });
+}
 
 /// Where a ray crosses a triangle.
 struct Crossing {
@@ -172,7 +193,7 @@ void addSeenHits(const Session& session, const Vec3& origin, const Vec3& directi
     std::vector<std::int32_t> triangles;
     for (const SeenMesh& seen : seenMeshes(session)) {
         const TriangleMesh& mesh = seen.model().mesh.body;
-        seen.model().mesh.connectivity().clusters().along(origin, direction, [&](std::int32_t v) { return seen.at(v); }, triangles);
+        withPlaces(seen.surface.positions, mesh.vertices, [&](const auto& at) { seen.model().mesh.connectivity().clusters().along(origin, direction, at, triangles); });
         for (const std::int32_t t : triangles) {
             const auto crossed = crossing(origin, direction, seen.at(mesh.triangles(t, 0)), seen.at(mesh.triangles(t, 1)), seen.at(mesh.triangles(t, 2)));
             if (!crossed) continue;
@@ -213,7 +234,7 @@ std::vector<RayHit> rayHits(const Session& session, const Vec3& rayOrigin, const
         if (!element->visible || element->locked || element->piece) continue;
         const PosedBody body(session, id, *element);
         const TriangleMesh& mesh = element->mesh->body;
-        element->mesh->connectivity().clusters().along(rayOrigin, rayDirection, [&](std::int32_t v) { return body.at(v); }, triangles);
+        withPlaces(body.posed, mesh.vertices, [&](const auto& at) { element->mesh->connectivity().clusters().along(rayOrigin, rayDirection, at, triangles); });
         for (const std::int32_t t : triangles) {
             const Vec3 a = body.at(mesh.triangles(t, 0)), b = body.at(mesh.triangles(t, 1)), c = body.at(mesh.triangles(t, 2));
             const auto crossed = crossing(rayOrigin, rayDirection, a, b, c);
@@ -484,6 +505,19 @@ std::optional<SelectionItem> pickCut(const Session& session, const PointerEvent&
 
 namespace {
 
+/// What holds everything between two corners of a box, as it is seen. None: some of it is behind the eye.
+std::optional<QRectF> boxOnScreen(const PointerEvent& view, const Vec3& low, const Vec3& high) {
+    Eigen::AlignedBox2d seen;
+    for (int k = 0; k < 8; ++k) {
+        const auto at = view.onScreen({(k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z()});
+        if (!at) return std::nullopt;
+        seen.extend(*at);
+    }
+    // A rectangle without an area would meet nothing.
+    constexpr double kEdge = 1e-6;
+    return QRectF(seen.min().x() - kEdge, seen.min().y() - kEdge, seen.sizes().x() + 2.0 * kEdge, seen.sizes().y() + 2.0 * kEdge);
+}
+
 /// Bones and elements of which an edge touches an area of the view.
 template <class Area>
 std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEvent& view, const Area& area) {
@@ -495,35 +529,39 @@ std::vector<SelectionItem> itemsTouched(const Session& session, const PointerEve
             if (from && to && shown(*bone).picked() && isTouched(view.onScreen(*from), view.onScreen(*to))) items.push_back({SelectionItem::Kind::Bone, id, {}, false});
         }
     std::set<PartId> touched;
-    const auto touch = [&](const TriangleMesh& mesh, const auto& at, const auto& elementOf) {
-        enum class Where : std::uint8_t { BehindEye, Outside, Inside };
-        struct Seen {
-            Eigen::Vector2d at = Eigen::Vector2d::Zero();
-            Where where = Where::BehindEye;
-        };
-        std::vector<Seen> seen(std::size_t(mesh.vertices.rows()));
-        for (std::size_t v = 0; v < seen.size(); ++v)
-            if (const auto p = view.onScreen(at(std::int32_t(v)))) seen[v] = {*p, area.contains(*p) ? Where::Inside : Where::Outside};
-        PartId last = 0;  // that was touched
-        for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
-            const PartId element = elementOf(t);
-            if (element == last || touched.contains(element)) continue;
-            // An edge of which an end is behind the eye counts for nothing.
-            const auto isIn = [&](int c) {
-                const Seen &a = seen[std::size_t(mesh.triangles(t, c))], &b = seen[std::size_t(mesh.triangles(t, (c + 1) % 3))];
-                if (a.where == Where::BehindEye || b.where == Where::BehindEye) return false;
-                return a.where == Where::Inside || b.where == Where::Inside || area.crosses(a.at, b.at);
-            };
-            if (isIn(0) || isIn(1) || isIn(2)) touched.insert(last = element);
-        }
+    // Of a cluster of triangles that lies inside or outside as a whole no triangle is asked.
+    const auto touch = [&](const ElementMesh& whole, const auto& at, const auto& elementOf, bool oneElement) {
+        const TriangleMesh& mesh = whole.body;
+        const auto seenAt = [&](std::int32_t v) { return view.onScreen(at(v).template cast<double>()); };
+        whole.connectivity().clusters().forEach(at, [&](const Vec3& low, const Vec3& high, std::span<const std::int32_t> triangles) {
+            const auto box = boxOnScreen(view, low, high);
+            const Lies lies = box ? area.where(*box) : Lies::Across;
+            if (lies == Lies::Outside) return true;
+            PartId last = 0;  // that was touched
+            for (const std::int32_t t : triangles) {
+                const PartId element = elementOf(t);
+                if (element == last || touched.contains(element)) continue;
+                const auto isIn = [&] {
+                    if (lies == Lies::Inside) return true;
+                    std::array<std::optional<Eigen::Vector2d>, 3> corner;
+                    for (int c = 0; c < 3; ++c) corner[std::size_t(c)] = seenAt(mesh.triangles(t, c));
+                    // An edge of which an end is behind the eye counts for nothing.
+                    return isTouched(corner[0], corner[1]) || isTouched(corner[1], corner[2]) || isTouched(corner[2], corner[0]);
+                };
+                if (!isIn()) continue;
+                touched.insert(last = element);
+                if (oneElement) return false;
+            }
+            return true;
+        });
     };
     for (const auto& [id, element] : session.document().elements) {
         if (!element->visible || element->locked || element->piece) continue;
         const PosedBody body(session, id, *element);
-        touch(element->mesh->body, [&](std::int32_t v) { return body.at(v); }, [id = id](std::int32_t) { return id; });
+        withPlaces(body.posed, body.rest->vertices, [&](const auto& at) { touch(*element->mesh, at, [id = id](std::int32_t) { return id; }, true); });
     }
     for (const SeenMesh& seen : seenMeshes(session))
-        touch(seen.model().mesh.body, [&](std::int32_t v) { return seen.at(v); }, [&](std::int32_t t) { return seen.elementOf(t); });
+        withPlaces(seen.surface.positions, seen.model().mesh.body.vertices, [&](const auto& at) { touch(seen.model().mesh, at, [&](std::int32_t t) { return seen.elementOf(t); }, seen.elements.size() == 1); });
     for (const auto& [id, element] : session.document().elements)
         if (element->visible && !element->locked && touched.contains(id)) items.push_back({SelectionItem::Kind::Element, id, {}, false});
     return items;
@@ -566,19 +604,11 @@ std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionIt
     const auto addEnd = [&](const EndpointRef& end) {
         if (const auto at = endpointPosition(session, end)) points.push_back(*at);
     };
-    const auto meshes = d.characters.empty() ? std::vector<SeenMesh>() : seenMeshes(session);
-    const auto addSeen = [&](const SeenMesh& seen, const auto& wanted) {
-        const Triangles& triangles = seen.model().mesh.body.triangles;  // a file may have vertices that nothing uses
-        for (Eigen::Index i = 0; i < triangles.size(); ++i)
-            if (const std::int32_t v = triangles.data()[i]; wanted(v)) points.push_back(seen.at(v));
-    };
+    std::set<PartId> seenWhole, seenElements;  // characters and elements of which render meshes are asked, each once
     for (const SelectionItem& item : items) {
         const auto element = d.elements.find(item.part);
         switch (item.kind) {
-            case SelectionItem::Kind::Character:
-                for (const SeenMesh& seen : meshes)
-                    if (seen.source->id == item.part) addSeen(seen, [](std::int32_t) { return true; });
-                break;
+            case SelectionItem::Kind::Character: seenWhole.insert(item.part); break;
             case SelectionItem::Kind::Cut:
                 if (const auto frame = cutFrame(session, item.part)) {
                     for (const auto& loop : frame->rim) points.insert(points.end(), loop.begin(), loop.end());
@@ -587,8 +617,7 @@ std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionIt
                 break;
             case SelectionItem::Kind::Element:
                 if (element != d.elements.end() && element->second->piece) {
-                    for (const SeenMesh& seen : meshes)
-                        if (seen.source->id == element->second->piece->character) addSeen(seen, [&](std::int32_t v) { return seen.elementOfVertex(v) == item.part; });
+                    seenElements.insert(item.part);
                 } else if (element != d.elements.end()) {
                     const PosedBody body(session, item.part, *element->second);
                     for (std::int32_t v = 0; v < body.rest->vertices.rows(); ++v) points.push_back(body.at(v));
@@ -606,6 +635,18 @@ std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionIt
                 break;
             case SelectionItem::Kind::Endpoint: addEnd({item.part, item.atEnd}); break;
         }
+    }
+    if (seenWhole.empty() && seenElements.empty()) return points;
+    for (const SeenMesh& seen : seenMeshes(session)) {
+        const TriangleMesh& mesh = seen.model().mesh.body;
+        const bool whole = seenWhole.contains(seen.source->id);
+        std::vector<char> wanted;  // by what EmbeddedMesh::Vertex::element counts
+        for (const PartId part : seen.elements) wanted.push_back(whole || seenElements.contains(part));
+        if (std::ranges::find(wanted, 1) == wanted.end()) continue;
+        std::vector<char> used(std::size_t(mesh.vertices.rows()), 0);  // a file may have vertices that nothing uses
+        for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i) used[std::size_t(mesh.triangles.data()[i])] = 1;
+        for (std::size_t v = 0; v < used.size(); ++v)
+            if (used[v] && wanted[seen.embedded ? std::size_t(seen.embedded->vertices[v].element) : 0]) points.push_back(seen.at(std::int32_t(v)));
     }
     return points;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ui/tools/cut_preview.h"
+#include "ui/picking/cut_preview.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -44,29 +45,41 @@ Result<SectionFinder::Outline> SectionFinder::at(const CutPlane& plane) const {
     return out;
 }
 
-std::optional<double> SectionFinder::lengthAround(std::int32_t triangle, const CutPlane& plane) const {
+std::optional<double> SectionFinder::lengthAround(std::int32_t triangle, const CutPlane& plane, double most) const {
     const TriangleMesh& mesh = surface_.mesh;
     const auto distance = [&](std::int32_t v) { return plane.normal.dot(mesh.vertices.row(v).transpose() - plane.origin); };
-    // From triangle to triangle over the edges that the plane crosses: of a closed surface that leads back.
+    // From triangle to triangle over the edges that the plane crosses: of a closed surface that leads back. Of each next triangle only the third corner is new.
+    struct Corner {
+        std::int32_t vertex = -1;
+        double distance = 0.0;
+    };
+    std::array<Corner, 2> known;  // of the edge that was crossed last
     double length = 0.0;
     std::int32_t at = triangle, over = -1;
     Vec3 first = Vec3::Zero(), last = Vec3::Zero();
     for (Eigen::Index steps = 0; steps <= mesh.triangles.rows(); ++steps) {
+        std::array<Corner, 3> corner;
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t v = mesh.triangles(at, k);
+            const auto before = std::ranges::find(known, v, &Corner::vertex);
+            corner[std::size_t(k)] = before != known.end() ? *before : Corner{v, distance(v)};
+        }
         std::int32_t next = -1;
         Vec3 place = Vec3::Zero();
         for (int k = 0; k < 3 && next < 0; ++k) {
-            const std::int32_t a = mesh.triangles(at, k), b = mesh.triangles(at, (k + 1) % 3);
-            const double from = distance(a), to = distance(b);
-            if ((from >= 0.0) == (to >= 0.0)) continue;
+            const Corner &a = corner[std::size_t(k)], &b = corner[std::size_t((k + 1) % 3)];
+            if ((a.distance >= 0.0) == (b.distance >= 0.0)) continue;
             const std::int32_t edge = surface_.edges.edgeOf(at, k);
             if (edge < 0 || edge == over) continue;
-            place = mesh.vertices.row(a).transpose() + from / (from - to) * (mesh.vertices.row(b) - mesh.vertices.row(a)).transpose();
+            place = mesh.vertices.row(a.vertex).transpose() + a.distance / (a.distance - b.distance) * (mesh.vertices.row(b.vertex) - mesh.vertices.row(a.vertex)).transpose();
+            known = {a, b};
             next = edge;
         }
         const auto uses = next < 0 ? std::span<const EdgeUse>() : std::span<const EdgeUse>(surface_.edges.uses(next));
         if (uses.size() != 2) return std::nullopt;
         if (over >= 0) length += (place - last).norm();
         else first = place;
+        if (length > most) return std::nullopt;
         last = place;
         over = next;
         at = uses[0].triangle == at ? uses[1].triangle : uses[0].triangle;
@@ -84,7 +97,7 @@ std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& nor
     const auto search = [&](const auto& measure) {
         double shortest = std::numeric_limits<double>::infinity(), best = std::numeric_limits<double>::quiet_NaN();
         const auto offer = [&](double angle) {
-            const std::optional<double> length = measure(CutPlane{origin, normalAt(angle)});
+            const std::optional<double> length = measure(CutPlane{origin, normalAt(angle)}, shortest);
             if (!length || *length >= shortest) return;
             shortest = *length;
             best = angle;
@@ -101,10 +114,10 @@ std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& nor
         return best;
     };
     // The way round is all that the search needs; where the plane that it finds does not cut, whole sections are asked.
-    double best = triangle < 0 ? std::numeric_limits<double>::quiet_NaN() : search([&](const CutPlane& p) { return lengthAround(triangle, p); });
+    double best = triangle < 0 ? std::numeric_limits<double>::quiet_NaN() : search([&](const CutPlane& p, double shortest) { return lengthAround(triangle, p, shortest); });
     auto outline = std::isfinite(best) ? at({origin, normalAt(best)}) : Result<Outline>(tl::unexpected(Error{}));
     if (!outline) {
-        best = search([&](const CutPlane& p) {
+        best = search([&](const CutPlane& p, double) {
             const auto section = at(p);
             return section ? std::optional(section->length) : std::nullopt;
         });
@@ -118,8 +131,7 @@ std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& nor
         const auto again = at(centred);
         if (again && std::abs(again->length - outline->length) < 1e-6 * outline->length) plane = centred;
     }
-    const Vec3 middle = surface_.mesh.vertices.colwise().mean().transpose();
-    if (plane.normal.dot(plane.origin - middle) < 0.0) plane.normal = -plane.normal;
+    if (plane.normal.dot(plane.origin - middle_) < 0.0) plane.normal = -plane.normal;
     return plane;
 }
 

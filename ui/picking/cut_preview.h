@@ -15,7 +15,7 @@ namespace imomushi {
 class SectionFinder {
 public:
     /// `owner`: whoever has `body`, which stays as it is.
-    SectionFinder(std::shared_ptr<const void> owner, const TriangleMesh& body) : owner_(std::move(owner)), surface_(body) {}
+    SectionFinder(std::shared_ptr<const void> owner, const TriangleMesh& body) : owner_(std::move(owner)), surface_(body), middle_(body.vertices.colwise().mean().transpose()) {}
 
     struct Outline {
         std::vector<std::vector<SectionPoint>> loops;  ///< outer one first
@@ -45,16 +45,18 @@ public:
         return loops;
     }
     [[nodiscard]] const TriangleMesh& body() const { return surface_.mesh; }
+    [[nodiscard]] const EdgeTable& edges() const { return surface_.edges; }
     [[nodiscard]] double diagonal() const { return surface_.diagonal; }
     /// The patch ends in edges, as a flat side of a box does, and not somewhere on a round surface.
     [[nodiscard]] bool isFacet(const JointFace& patch) const;
 
 private:
-    /// m, all the way round over the surface from a triangle back to it. None: the plane does not cross it.
-    [[nodiscard]] std::optional<double> lengthAround(std::int32_t triangle, const CutPlane& plane) const;
+    /// m, all the way round over the surface from a triangle back to it. None: the plane does not cross it, or the way is longer than `most`.
+    [[nodiscard]] std::optional<double> lengthAround(std::int32_t triangle, const CutPlane& plane, double most) const;
     [[nodiscard]] std::pair<std::int32_t, std::int32_t> ends(std::int32_t edge) const;
     std::shared_ptr<const void> owner_;
     CutSurface surface_;
+    Vec3 middle_;  ///< of all vertices, m
 };
 
 /// The nearest plane to `plane` that cuts an element where `plane` does not; none: none was found, or the body is not why it was refused.

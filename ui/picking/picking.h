@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "ui/tools/tool.h"
+#include "ui/models/studio_document.h"
+#include "ui/picking/pointer_event.h"
+#include "ui/render/scene.h"
 
 namespace imomushi {
 
