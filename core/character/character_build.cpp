@@ -21,12 +21,14 @@ constexpr double kNearRim = 0.1;
 Result<Character> Character::build(CharacterInput input, std::initializer_list<const Character*> previous) {
     ElementRuntimes known;
     std::vector<const FrameJobs*> former;
+    std::vector<const CharacterInput*> checked;
     for (const Character* one : previous) {
         if (!one) continue;
         for (const auto& e : one->state_->frame.elements) known.add(e.runtime);
         former.push_back(&one->state_->jobs);
+        checked.push_back(&one->state_->frame.input);
     }
-    if (auto ok = checkInput(input, known); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkInput(input, known, checked); !ok) return tl::unexpected(ok.error());
     auto state = std::make_unique<State>(std::move(input));
     state->jobs.setFormer(std::move(former));
     if (auto ok = state->build(known); !ok) return tl::unexpected(ok.error());

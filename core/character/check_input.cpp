@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/character/check_input.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/finite.h"
@@ -66,9 +67,19 @@ Result<void> checkEmbedded(const CharacterInput::Element& element) {
     return {};
 }
 
-Result<void> checkRenderMeshes(const CharacterInput& input) {
+/// The same points at the same numbers.
+bool sameBodies(const CharacterInput& a, const CharacterInput& b) {
+    return std::equal(a.elements.begin(), a.elements.end(), b.elements.begin(), b.elements.end(), [](const auto& p, const auto& q) { return p.mesh == q.mesh && p.embedded == q.embedded; });
+}
+
+Result<void> checkRenderMeshes(const CharacterInput& input, const std::vector<const CharacterInput*>& checked) {
+    std::vector<const EmbeddedMesh*> good;
+    for (const CharacterInput* other : checked)
+        if (sameBodies(*other, input))
+            for (const auto& mesh : other->renderMeshes) good.push_back(mesh.get());
     for (const auto& mesh : input.renderMeshes) {
         if (!mesh) return bad("a render mesh is missing");
+        if (std::find(good.begin(), good.end(), mesh.get()) != good.end()) continue;
         const auto count = static_cast<Eigen::Index>(mesh->vertices.size());
         if (mesh->triangles.size() > 0 && (mesh->triangles.minCoeff() < 0 || mesh->triangles.maxCoeff() >= count))
             return bad("a triangle of a render mesh has a corner that is not there");
@@ -146,12 +157,12 @@ Result<void> checkJoints(const CharacterInput& input) {
 
 }  // namespace
 
-Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& known) {
+Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& known, const std::vector<const CharacterInput*>& checked) {
     if (auto ok = checkSkeleton(input.skeleton); !ok) return ok;
     for (const auto& element : input.elements) {
         if (!element.mesh) return bad("an element has no mesh");
         const bool fits = known.knows(element.mesh, element.faces, element.response);
-        if (!fits)
+        if (!fits && !known.knows(element.mesh, element.faces))
             if (auto ok = checkBody(element); !ok) return ok;
         for (const int b : element.bones)
             if (!in(b, static_cast<int>(input.skeleton.bones.size()))) return bad("an element names a bone that is not there");
@@ -162,7 +173,7 @@ Result<void> checkInput(const CharacterInput& input, const ElementRuntimes& know
         if (element.embedded)
             if (auto ok = checkEmbedded(element); !ok) return ok;
     }
-    if (auto ok = checkRenderMeshes(input); !ok) return ok;
+    if (auto ok = checkRenderMeshes(input, checked); !ok) return ok;
     if (auto ok = checkJoints(input); !ok) return ok;
     if (auto ok = checkHandles(input); !ok) return ok;
     for (const auto& effect : input.effects)

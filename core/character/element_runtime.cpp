@@ -299,6 +299,11 @@ std::shared_ptr<const LazyPoseWatch> ElementRuntimes::findWatch(const ElementRun
     return found == end ? nullptr : found->second->lazyWatch;
 }
 
+bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces) const {
+    const auto [begin, end] = byMesh_.equal_range(mesh.get());
+    return std::any_of(begin, end, [&](const auto& known) { return sameJointFaces(known.second->input.faces, faces); });
+}
+
 bool ElementRuntimes::knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
                             const std::shared_ptr<const ElementResponse>& response) const {
     const auto [begin, end] = byMesh_.equal_range(mesh.get());

@@ -133,6 +133,8 @@ public:
     [[nodiscard]] std::shared_ptr<const ElementRuntime> findLike(const ElementRuntime::Input& input) const;
     /// Of a runtime of this mesh, these faces and this response. Null: there is none.
     [[nodiscard]] std::shared_ptr<const LazyPoseWatch> findWatch(const ElementRuntime::Input& input) const;
+    /// One of this mesh and these faces exists: they fit each other.
+    [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces) const;
     /// One of this mesh, these faces and this response exists: they fit each other.
     [[nodiscard]] bool knows(const std::shared_ptr<const ElementMesh>& mesh, const std::vector<JointFace>& faces,
                              const std::shared_ptr<const ElementResponse>& response) const;

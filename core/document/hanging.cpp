@@ -6,6 +6,7 @@
 
 #include "core/base/union_find.h"
 #include "core/document/character_input.h"
+#include "core/mesh/connectivity.h"
 
 namespace imomushi {
 
@@ -48,9 +49,9 @@ HangingParts hangingTogether(const Document& document, const std::set<PartId>& p
 Vec3 middleOf(const Document& document, const HangingParts& parts) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
     for (const PartId id : parts.elements) {
-        const Points& v = document.elements.at(id)->mesh->body.vertices;
-        low = low.cwiseMin(v.colwise().minCoeff().transpose());
-        high = high.cwiseMax(v.colwise().maxCoeff().transpose());
+        const Bounds& box = document.elements.at(id)->mesh->connectivity().box();
+        low = low.cwiseMin(box.low);
+        high = high.cwiseMax(box.high);
     }
     if (parts.elements.empty())
         for (const PartId id : parts.bones)

@@ -4,8 +4,6 @@
 #include <mutex>
 #include <optional>
 
-#include "core/mesh/bounds.h"
-
 namespace imomushi {
 namespace {
 
@@ -32,6 +30,7 @@ struct MeshConnectivity::Parts {
     Once<Points> normals;
     Once<MeshFacts> facts;
     Once<TriangleClusters> clusters;
+    Once<Bounds> box;
     Once<double> diagonal;
 };
 
@@ -53,6 +52,10 @@ const MeshFacts& MeshConnectivity::facts() const {
 
 const TriangleClusters& MeshConnectivity::clusters() const {
     return parts_->clusters.get([this] { return TriangleClusters(body_); });
+}
+
+const Bounds& MeshConnectivity::box() const {
+    return parts_->box.get([this] { return boundsOf(body_.vertices); });
 }
 
 double MeshConnectivity::diagonal() const {

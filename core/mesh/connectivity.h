@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/mesh/bounds.h"
 #include "core/mesh/health.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/topology.h"
@@ -23,6 +24,7 @@ public:
     [[nodiscard]] const Points& normals() const;   ///< vertexNormals()
     [[nodiscard]] const MeshFacts& facts() const;  ///< meshFacts()
     [[nodiscard]] const TriangleClusters& clusters() const;
+    [[nodiscard]] const Bounds& box() const;
     [[nodiscard]] double diagonal() const;  ///< diagonalOf(), m
 
 private:

@@ -122,9 +122,28 @@ const ContentKey& DocumentResponses::partsOf(PartId element) const {
 }
 
 const SharedResponse* DocumentResponses::sharedOf(PartId element) const {
-    if (!(sharing_.basis == document_.settings.basis && sharing_.effects == document_.effects && sharing_.elements == document_.elements)) findShared();
+    if (!isOfNow(sharing_) && isOfNow(formerSharing_)) std::swap(sharing_, formerSharing_);
+    if (!isOfNow(sharing_)) findShared();
     const auto found = sharing_.shared.find(element);
     return found == sharing_.shared.end() ? nullptr : &found->second;
+}
+
+bool DocumentResponses::isOfNow(const Sharing& sharing) const {
+    return sharing.basis == document_.settings.basis && sharing.effects == document_.effects && sharing.elements == document_.elements;
+}
+
+DocumentResponses::Derived DocumentResponses::derived() const {
+    for (const auto& [id, element] : document_.elements) {
+        (void)known(id);
+        if (!element->faces.empty()) (void)sharedOf(id);
+    }
+    return {known_, sharing_};
+}
+
+void DocumentResponses::take(const Derived& derived) {
+    for (const auto& [id, known] : derived.known)
+        if (const auto own = known_.find(id); own == known_.end() || own->second.element != known.element || !(own->second.request == known.request)) known_.insert_or_assign(id, known);
+    formerSharing_ = std::exchange(sharing_, derived.sharing);
 }
 
 void DocumentResponses::findShared() const {
@@ -164,7 +183,7 @@ void DocumentResponses::findShared() const {
         }
         if (!found) candidates.push_back({id, same && last == was.shared.end()});
     }
-    sharing_ = std::move(now);
+    formerSharing_ = std::exchange(sharing_, std::move(now));
 }
 
 EffectCost DocumentResponses::costOf(EffectKind kind) const {
@@ -375,9 +394,11 @@ void DocumentResponses::markSaved() {
 
 DocumentResponses::Remembered DocumentResponses::replace(Remembered by) {
     known_.clear();
-    sharing_.elements.clear();  // asks for no memory, as an empty Sharing would
-    sharing_.keys.clear();
-    sharing_.shared.clear();
+    for (Sharing* sharing : {&sharing_, &formerSharing_}) {
+        sharing->elements.clear();  // asks for no memory, as an empty Sharing would
+        sharing->keys.clear();
+        sharing->shared.clear();
+    }
     return {std::exchange(last_, std::move(by.last)), std::exchange(unsaved_, std::move(by.unsaved))};
 }
 

@@ -88,25 +88,7 @@ public:
     /// Takes in a response that came with an element from a project file, or a draft. Where a fitting response lacks nothing but patches that a draft has, it stays and takes these: it is a draft then.
     void bring(PartId element, const StoredResponse& response);
 
-    // ---- the project
-    /// Remembers the fresh responses as the last ones of their elements; forgets elements that are gone.
-    void refresh();
-    /// Forgets elements that are gone.
-    void dropGone();
-    /// The last response of each element, for its project file. Call refresh() before.
-    [[nodiscard]] const std::map<PartId, StoredResponse>& last() const { return last_; }
-    /// A response of an element was computed since the project was saved: work that would be lost.
-    [[nodiscard]] bool unsaved() const;
-    void markSaved();
-    /// What is remembered of a document besides what can be asked again.
-    struct Remembered {
-        std::map<PartId, StoredResponse> last;
-        std::set<ContentKey> unsaved;
-    };
-    /// Replaces the remembered responses by those of another document, which the store must have. Returns the old ones.
-    Remembered replace(Remembered by);
-
-private:
+    // ---- what takes time to find
     /// What the document asks of the response of an element, besides the element itself.
     struct ResponseRequest {
         BasisChoice basis;
@@ -132,6 +114,34 @@ private:
         std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
         std::map<PartId, SharedResponse> shared;
     };
+    struct Derived {
+        std::map<PartId, Known> known;
+        Sharing sharing;
+    };
+    /// Of all elements.
+    [[nodiscard]] Derived derived() const;
+    /// What another one derived of a document that becomes this one.
+    void take(const Derived& derived);
+
+    // ---- the project
+    /// Remembers the fresh responses as the last ones of their elements; forgets elements that are gone.
+    void refresh();
+    /// Forgets elements that are gone.
+    void dropGone();
+    /// The last response of each element, for its project file. Call refresh() before.
+    [[nodiscard]] const std::map<PartId, StoredResponse>& last() const { return last_; }
+    /// A response of an element was computed since the project was saved: work that would be lost.
+    [[nodiscard]] bool unsaved() const;
+    void markSaved();
+    /// What is remembered of a document besides what can be asked again.
+    struct Remembered {
+        std::map<PartId, StoredResponse> last;
+        std::set<ContentKey> unsaved;
+    };
+    /// Replaces the remembered responses by those of another document, which the store must have. Returns the old ones.
+    Remembered replace(Remembered by);
+
+private:
     [[nodiscard]] ResponseRequest requestOf(PartId element) const;
     Known& known(PartId element) const;
     /// What the store has of all that the element asks for, unchecked; without a response where it has nothing.
@@ -143,6 +153,7 @@ private:
     const ContentKey& partsOf(PartId element) const;
     /// Compares only elements that changed since the last time, with others and among each other.
     void findShared() const;
+    [[nodiscard]] bool isOfNow(const Sharing& sharing) const;
     /// estimateResponse(), each answer remembered: it takes part of a second for many elements, and panels ask for every effect again and again.
     ResponseEstimate estimateOf(const ContentKey& key, const ResponseInput& input) const;
     /// The response, where it fits the element: responses come from files too, and a key alone proves nothing about what a file holds under it.
@@ -153,7 +164,7 @@ private:
     std::map<PartId, StoredResponse> last_;     // held here, so that the store does not evict what the project file is to have
     std::set<ContentKey> unsaved_;              // computed and in no project file yet
     mutable std::map<PartId, Known> known_;
-    mutable Sharing sharing_;
+    mutable Sharing sharing_, formerSharing_;   // the one before, where undo leads
     mutable std::map<std::pair<ContentKey, int>, ResponseEstimate> estimates_;  // by key and threads
 };
 

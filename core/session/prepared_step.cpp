@@ -13,7 +13,7 @@ namespace imomushi {
 bool PreparedStep::fits(const Document& document) const { return differInPoseAtMost(before, document); }
 
 Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project project, const std::vector<Json>& commands, const std::function<void(Session&)>& arrange, const Progress& progress) {
-    PreparedStep made{project.document, {}, {}, {}, {}, {}, nullptr};
+    PreparedStep made{project.document, {}, {}, {}, {}, {}, {}, nullptr};
     const auto known = project.responses;
     Session session(registry);
     if (arrange) arrange(session);
@@ -33,6 +33,7 @@ Result<PreparedStep> prepareStep(const CommandRegistry& registry, Project projec
     for (auto& [element, response] : session.project().responses)
         if (const auto before = known.find(element); before == known.end() || !(before->second.key == response.key) || before->second.response != response.response) made.responses.emplace_back(element, std::move(response));
     made.character = session.releaseCharacter();
+    made.derived = session.responses().derived();
     return made;
 }
 

@@ -11,6 +11,7 @@
 #include "core/document/command.h"
 #include "core/document/document.h"
 #include "core/document/document_history.h"
+#include "core/project/document_responses.h"
 #include "core/project/project_file.h"
 #include "core/project/stored_response.h"
 
@@ -26,6 +27,7 @@ struct PreparedStep {
     std::vector<Json> lines;  ///< of the script, not empty
     Json answer;              ///< of the last command
     std::vector<std::pair<PartId, StoredResponse>> responses;  ///< that elements got by it: what is moved or copied keeps its results
+    DocumentResponses::Derived derived;               ///< from `after`
     std::shared_ptr<const BuiltCharacter> character;  ///< of `after`, null: it cannot be built
 
     /// What the commands found is still so: the document differs from `before` in its pose at most, which passes with time.

@@ -166,6 +166,7 @@ Json Session::takeOver(const PreparedStep& made) {
     history_.addStep(made.step, made.after, made.lines);
     change.responses = !made.responses.empty();
     try {
+        responses_.take(made.derived);
         for (const auto& [element, response] : made.responses) responses_.bring(element, response);
     } catch (const std::bad_alloc&) {
         // What is missing is computed again.

@@ -50,8 +50,10 @@ TEST_CASE("cuts: the section finder crosses a limb on the shortest way round, wi
     const auto mesh = std::make_shared<const TriangleMesh>(limb());
     const SectionFinder finder(mesh, *mesh);
     for (const double x : {-2.0, 1.3, 2.2}) {
-        const auto plane = finder.across(Vec3(x, 0.0, 0.5), Vec3::UnitZ());
-        REQUIRE(plane.has_value());
+        const auto found = finder.across(Vec3(x, 0.0, 0.5), Vec3::UnitZ());
+        REQUIRE(found.has_value());
+        const CutPlane* plane = &found->plane;
+        CHECK(found->outline.length == doctest::Approx(3.14159265).epsilon(0.02));
         CHECK(std::abs(plane->normal.x()) > std::cos(3.0 * 3.14159265 / 180.0));  // refined to two degrees
         CHECK(plane->normal.x() * x > 0.0);
         CHECK((plane->origin - Vec3(x, 0, 0)).norm() < 0.05);
@@ -77,7 +79,7 @@ TEST_CASE("cuts: the way round from a triangle finds the same planes as whole se
         if (!whole) continue;
         ++asked;
         // Vertices that a section moves onto its plane change its length by less than their moves: directions that are as short as each other may change places.
-        const auto first = finder.at(*whole), second = finder.at(*round);
+        const auto first = finder.at(whole->plane), second = finder.at(round->plane);
         REQUIRE(first.has_value());
         REQUIRE(second.has_value());
         CHECK(second->length == doctest::Approx(first->length).epsilon(0.01));

@@ -88,7 +88,7 @@ std::optional<double> SectionFinder::lengthAround(std::int32_t triangle, const C
     return std::nullopt;
 }
 
-std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& normal, std::int32_t triangle) const {
+std::optional<SectionFinder::Across> SectionFinder::across(const Vec3& point, const Vec3& normal, std::int32_t triangle) const {
     const Vec3 n = normal.stableNormalized();
     const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
     const Vec3 origin = point - kBelow * surface_.diagonal * n;
@@ -123,16 +123,14 @@ std::optional<CutPlane> SectionFinder::across(const Vec3& point, const Vec3& nor
         });
         if (!std::isfinite(best)) return std::nullopt;
         outline = at({origin, normalAt(best)});
+        if (!outline) return std::nullopt;
     }
-    CutPlane plane{origin, normalAt(best)};
+    Across found{{origin, normalAt(best)}, std::move(*outline)};
     // The middle of the section reads better, and lies in it unless that is bent like a bean.
-    if (outline) {
-        const CutPlane centred{outline->centre, plane.normal};
-        const auto again = at(centred);
-        if (again && std::abs(again->length - outline->length) < 1e-6 * outline->length) plane = centred;
-    }
-    if (plane.normal.dot(plane.origin - middle_) < 0.0) plane.normal = -plane.normal;
-    return plane;
+    const CutPlane centred{found.outline.centre, found.plane.normal};
+    if (auto again = at(centred); again && std::abs(again->length - found.outline.length) < 1e-6 * found.outline.length) found = {centred, std::move(*again)};
+    if (found.plane.normal.dot(found.plane.origin - middle_) < 0.0) found.plane.normal = -found.plane.normal;
+    return found;
 }
 
 bool SectionFinder::isFacet(const JointFace& patch) const {

@@ -7,13 +7,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <map>
 #include <memory>
 #include <set>
 #include <span>
 
 #include "core/base/decompositions.h"
+#include "core/base/kept_with.h"
 #include "core/document/character_input.h"
 #include "core/mesh/connectivity.h"
 #include "core/mesh/triangle_tree.h"
@@ -104,10 +103,17 @@ struct LoopArea {
     }
 };
 
-/// Calls use(at), where at(vertex) is the place of a vertex of a mesh now, m: as floats, or at rest.
+/// Places of a surface, whose buffer is longer than its last vertex (Character::Surface).
+struct PosedPlaces {
+    const float* posed;
+    Eigen::Vector3f operator()(std::int32_t v) const { return Eigen::Vector3f(posed + 3 * std::ptrdiff_t(v)); }
+    [[nodiscard]] Eigen::Array4f wide(std::int32_t v) const { return Eigen::Map<const Eigen::Array4f>(posed + 3 * std::ptrdiff_t(v)); }
+};
+
+/// Calls use(at), where at(vertex) is the place of a vertex of a mesh now, m: on a surface, or at rest.
 template <class Use>
 void withPlaces(const float* posed, const Points& rest, const Use& use) {
-    if (posed) use([posed](std::int32_t v) { return Eigen::Vector3f(posed + 3 * std::ptrdiff_t(v)); });
+    if (posed) use(PosedPlaces{posed});
     else use([&rest](std::int32_t v) { return Vec3(rest.row(v)); });
 }
 
@@ -158,34 +164,16 @@ RayHit onBody(const Session& session, const Element& element, const TriangleTree
     return hit;
 }
 
-/// The skin of an element: what cuts left of the body. Null: nothing. Any thread may ask; the first one makes the tree, which is kept while its mesh lives.
+/// The skin of an element: what cuts left of the body. Null: nothing. Kept while its mesh lives.
 std::shared_ptr<const TriangleTree> skinOf(const Element& element) {
-    struct Kept {
-        std::weak_ptr<const ElementMesh> mesh;
-        std::once_flag once;
-        std::shared_ptr<const TriangleTree> tree;
-    };
-    static std::mutex mutex;
-    static std::map<const ElementMesh*, std::shared_ptr<Kept>> all;
-    std::shared_ptr<Kept> kept;
-    {
-        const std::lock_guard lock(mutex);
-        std::erase_if(all, [](const auto& k) { return k.second->mesh.expired(); });
-        std::shared_ptr<Kept>& known = all[element.mesh.get()];
-        if (!known) {
-            known = std::make_shared<Kept>();
-            known->mesh = element.mesh;
-        }
-        kept = known;
-    }
-    std::call_once(kept->once, [&] {
+    static KeptWith<ElementMesh, std::shared_ptr<const TriangleTree>> all;
+    return *all.of(element.mesh, [&]() -> std::shared_ptr<const TriangleTree> {
         const TriangleMesh& mesh = element.mesh->body;
         std::vector<std::int32_t> skin;
         for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t)
             if (element.piece->origin->triangles[std::size_t(t)] >= 0) skin.push_back(t);
-        if (!skin.empty()) kept->tree = std::make_shared<const TriangleTree>(mesh, std::move(skin));
+        return skin.empty() ? nullptr : std::make_shared<const TriangleTree>(mesh, std::move(skin));
     });
-    return kept->tree;
 }
 
 void addSeenHits(const Session& session, const Vec3& origin, const Vec3& direction, std::vector<RayHit>& hits) {
@@ -224,6 +212,7 @@ void makePicking(const decltype(Document::elements)& elements, const decltype(Do
         if (element->piece) (void)skinOf(*element);
         else (void)element->mesh->connectivity().clusters();
         (void)element->mesh->connectivity().facts();  // what the inspector says of it, once it is picked
+        (void)element->mesh->connectivity().box();
     }
 }
 
@@ -620,7 +609,9 @@ std::vector<Vec3> pointsOf(const Session& session, const std::vector<SelectionIt
                     seenElements.insert(item.part);
                 } else if (element != d.elements.end()) {
                     const PosedBody body(session, item.part, *element->second);
-                    for (std::int32_t v = 0; v < body.rest->vertices.rows(); ++v) points.push_back(body.at(v));
+                    withPlaces(body.posed, body.rest->vertices, [&](const auto& at) {
+                        for (std::int32_t v = 0; v < body.rest->vertices.rows(); ++v) points.push_back(at(v).template cast<double>());
+                    });
                 }
                 break;
             case SelectionItem::Kind::Face:

@@ -69,7 +69,8 @@ std::optional<CutFrame> cutFrame(const Session& session, PartId id) {
     if (area.norm() > 0.0) frame.normal = area.stableNormalized();  // the cap behind looks along the plane's normal
     frame.rotation = shortestRotation(normal, frame.normal);
     frame.reach = 0.0;
-    for (const auto& loop : rimLoops(rest.triangles, cap)) {
+    const auto rims = rimsOf(behind->second);
+    for (const auto& loop : (*rims)[static_cast<std::size_t>(index)]) {
         std::vector<Vec3>& points = frame.rim.emplace_back();
         for (const std::int32_t v : loop) {
             points.push_back(body.at(v));

@@ -66,8 +66,7 @@ DocumentScene::ElementParts& DocumentScene::parts(const std::shared_ptr<const El
     if (p.element == element) return p;
 
     p.element = element;
-    p.rims.clear();
-    for (const JointFace& face : element->faces) p.rims.push_back(rimLoops(element->mesh->body.triangles, face.triangles));
+    p.rims = rimsOf(element);
     const Points& v = element->mesh->body.vertices;
     p.lowest = v.rows() ? v.col(1).minCoeff() : 0.0;
     p.restPositions.resize(v.size());
@@ -230,7 +229,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
     for (const auto& [joined, joint] : document.joints) hidden.insert(hidden.end(), joint->faces.begin() + (joint->faces.empty() ? 0 : 1), joint->faces.end());
     for (const auto& [id, p] : parts_) {
         if (!p.shown) continue;
-        for (int f = 0; f < static_cast<int>(p.rims.size()); ++f) {
+        for (int f = 0; f < static_cast<int>(p.rims->size()); ++f) {
             render::Marker marker;
             marker.shape = render::Marker::Shape::FaceOutline;
             marker.id = sceneId({ScenePart::Kind::Face, id, f, false});
@@ -242,7 +241,7 @@ void DocumentScene::addFaces(const Document& document, const SceneOptions& optio
             if (!marker.selected && !marker.hovered && std::find(hidden.begin(), hidden.end(), ref) != hidden.end()) continue;
             if (p.element->locked || p.element->faces[f].locked) marker.id = 0;
             if ((marker.selected || marker.hovered) && !p.element->handleOf(ref.face)) addFrame(scene, *p.element, p.element->faces[f], p.shown);
-            for (const auto& loop : p.rims[f]) {
+            for (const auto& loop : (*p.rims)[f]) {
                 marker.outline.clear();
                 for (const std::int32_t v : loop) marker.outline.push_back(Eigen::Map<const Eigen::Vector3f>(p.shown + 3 * v).cast<double>());
                 if (!marker.outline.empty()) marker.from = marker.to = marker.outline.front();

@@ -65,7 +65,7 @@ private:
     /// What is known of an element until it is replaced by a changed one.
     struct ElementParts {
         std::shared_ptr<const Element> element;
-        std::vector<std::vector<std::vector<std::int32_t>>> rims;  ///< per face: closed loops of body vertices
+        std::shared_ptr<const std::vector<RimLoops>> rims;  ///< per face: closed loops of body vertices
         std::vector<int> coveredFaces;
         std::shared_ptr<const std::vector<std::int32_t>> covered;
         double lowest = 0.0;  ///< m, at rest

@@ -5,9 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/kept_with.h"
+
 namespace imomushi {
 
-std::vector<std::vector<std::int32_t>> rimLoops(const Triangles& triangles, std::span<const std::int32_t> patch) {
+RimLoops rimLoops(const Triangles& triangles, std::span<const std::int32_t> patch) {
     using Edge = std::pair<std::int32_t, std::int32_t>;
     std::vector<Edge> edges, rim;  // ascending
     edges.reserve(3 * patch.size());
@@ -24,7 +26,7 @@ std::vector<std::vector<std::int32_t>> rimLoops(const Triangles& triangles, std:
         while (i < rim.size() && rim[i].first == vertex && used[i]) ++i;
         return i < rim.size() && rim[i].first == vertex ? i : rim.size();
     };
-    std::vector<std::vector<std::int32_t>> loops;
+    RimLoops loops;
     for (std::size_t first = 0; first < rim.size(); ++first) {
         if (used[first]) continue;
         std::vector<std::int32_t>& loop = loops.emplace_back();
@@ -34,6 +36,15 @@ std::vector<std::vector<std::int32_t>> rimLoops(const Triangles& triangles, std:
         }
     }
     return loops;
+}
+
+std::shared_ptr<const std::vector<RimLoops>> rimsOf(const std::shared_ptr<const Element>& element) {
+    static KeptWith<Element, std::vector<RimLoops>> all;
+    return all.of(element, [&] {
+        std::vector<RimLoops> rims;
+        for (const JointFace& face : element->faces) rims.push_back(rimLoops(element->mesh->body.triangles, face.triangles));
+        return rims;
+    });
 }
 
 }  // namespace imomushi

@@ -165,7 +165,7 @@ void FaceTool::preview(const RayHit& hit) {
     if (widened_ == 0 && !finder) return clearPreview();
     auto face = flatRegion(*of, hit.triangle, finder.get());
     if (finder && !(face && finder->isFacet(*face)))
-        if (const auto plane = finder->across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(*plane);
+        if (auto found = finder->across(hit.rest, normalOf(of->mesh->body, hit.triangle), hit.triangle)) return previewCut(finder, std::move(*found));
     setPreview(*of, std::move(face));
 }
 
@@ -178,21 +178,17 @@ void FaceTool::previewPlane() {
     }
     auto face = jointFaceByPlane(of->mesh->body, plane_->origin, plane_->normal, tolerance(*of));
     if (!face && face.error().code == "no-patch")
-        if (const auto finder = sections(seen_); finder && finder->at({plane_->origin, plane_->normal})) return previewCut({plane_->origin, plane_->normal});
+        if (const auto finder = sections(seen_)) {
+            const CutPlane plane{plane_->origin, plane_->normal};
+            if (auto outline = finder->at(plane)) return previewCut(finder, {plane, std::move(*outline)});
+        }
     setPreview(*of, std::move(face));
 }
 
-void FaceTool::previewCut(const CutPlane& plane) {
-    const auto finder = sections(seen_);
-    if (!finder) return;
-    auto section = finder->at(plane);
-    if (!section) {
-        refusal_ = errorText(section.error());
-        return;
-    }
-    cut_ = plane;
-    section_ = std::move(*section);
-    sectioned_ = finder;
+void FaceTool::previewCut(std::shared_ptr<const SectionFinder> finder, SectionFinder::Across found) {
+    cut_ = found.plane;
+    section_ = std::move(found.outline);
+    sectioned_ = std::move(finder);
 }
 
 void FaceTool::setPreview(const Element& of, Result<JointFace> face) {
@@ -218,8 +214,8 @@ void FaceTool::placePlane(const RayHit& hit) {
     const auto patch = flatRegion(*found->second, hit.triangle, finder.get());
     if (finder && (!patch || !finder->isFacet(*patch)))
         if (const auto across = finder->across(hit.rest, plane.normal, hit.triangle)) {
-            plane.origin = across->origin;
-            plane.normal = across->normal;
+            plane.origin = across->plane.origin;
+            plane.normal = across->plane.normal;
         }
     const Session& session = document_.session();
     const int index = session.elementIndex(hit.element);

@@ -68,7 +68,7 @@ private:
     void preview(const RayHit& hit);
     void previewPlane();
     /// Shows where the flesh would be cut, or why not.
-    void previewCut(const CutPlane& plane);
+    void previewCut(std::shared_ptr<const SectionFinder> finder, SectionFinder::Across found);
     void cut();
     /// Selects the cut that was made, and says so.
     static void showCut(StudioDocument& document, const Json& answer);

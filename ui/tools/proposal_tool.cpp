@@ -200,7 +200,8 @@ void ProposalTool::move(const PointerEvent& e) {
     if (hovered_.kind != Grip::Kind::Nothing || (e.modifiers & Qt::ShiftModifier)) return;
     const auto flesh = fleshUnder(e);
     if (!flesh) return;
-    wouldCut_ = sections_.across(flesh->rest, flesh->normal, onBody(*flesh));
+    const auto found = sections_.across(flesh->rest, flesh->normal, onBody(*flesh));
+    wouldCut_ = found ? std::optional(found->plane) : std::nullopt;
     wouldCutRim_ = wouldCut_ ? shownAt(*wouldCut_).loops : std::vector<std::vector<Vec3>>();
 }
 
@@ -285,7 +286,7 @@ void ProposalTool::release(const PointerEvent& e) {
             selected_ = {};
             if (drag.does != Drag::Does::AddsCut) break;
             if (const auto flesh = fleshUnder(e)) {
-                if (const auto plane = sections_.across(flesh->rest, flesh->normal, onBody(*flesh))) wait({*plane, {}, {}});
+                if (const auto found = sections_.across(flesh->rest, flesh->normal, onBody(*flesh))) wait({found->plane, {}, {}});
                 else Q_EMIT document_.failed(ToolTexts::tr("No plane cuts the flesh here."));
             }
             break;

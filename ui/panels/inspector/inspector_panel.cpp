@@ -9,6 +9,7 @@
 #include "ui/models/paths.h"
 #include "ui/panels/inspector/inspector_forms.h"
 #include "ui/widgets/appearance.h"
+#include "ui/widgets/layouts.h"
 
 namespace imomushi {
 namespace {
@@ -18,7 +19,9 @@ constexpr int kLiveMs = 120;
 
 }  // namespace
 
-InspectorPanel::InspectorPanel(StudioDocument& document, QWidget* parent) : QScrollArea(parent), document_(document) {
+InspectorPanel::InspectorPanel(StudioDocument& document, QWidget* parent) : QScrollArea(parent), document_(document), host_(new QWidget(this)) {
+    fill(new QVBoxLayout(host_), QMargins());
+    setWidget(host_);
     setWidgetResizable(true);
     setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     setFrameShape(QFrame::NoFrame);
@@ -71,8 +74,11 @@ void InspectorPanel::rebuild() {
     shown_ = document_.selection();
     built_ = true;
     if (form_) {
+        // It may be that one of its buttons waits for a dialog. Hidden it costs nothing; to take it out of the window would style all of its parts anew.
         form_->retire();
-        takeWidget()->deleteLater();
+        form_->hide();
+        host_->layout()->removeWidget(form_);
+        form_->deleteLater();
     }
     setAccessibleName(tr("Properties"));
     form_ = makeForm();
@@ -88,7 +94,7 @@ void InspectorPanel::rebuild() {
         partShown_ = !triangles.empty();
         Q_EMIT partWanted(partShown_ ? character : 0, triangles);
     });
-    setWidget(form_);
+    host_->layout()->addWidget(form_);
     form_->refresh();
     verticalScrollBar()->setValue(scrolled);
 }
@@ -98,18 +104,18 @@ InspectorForm* InspectorPanel::makeForm() {
     InspectorForm::Items alike;
     for (const SelectionItem& item : shown_)
         if (item.kind == shown_.back().kind && (elementOf(document_.document(), item) || boneOf(document_.document(), item) || characterOf(document_.document(), item))) alike.push_back(item);
-    if (alike.empty()) return new CharacterForm(document_, viewport());
+    if (alike.empty()) return new CharacterForm(document_, host_);
     switch (alike.back().kind) {
-        case Kind::Element: return new ElementForm(document_, alike, viewport());
+        case Kind::Element: return new ElementForm(document_, alike, host_);
         case Kind::Face:
-            if (handleOf(document_.document(), alike.back())) return new HandleForm(document_, alike.back(), viewport());
-            return new FaceForm(document_, alike.back(), viewport());
-        case Kind::Bone: return new BoneForm(document_, alike, viewport());
-        case Kind::Character: return new WholeCharacterForm(document_, alike.back(), viewport());
-        case Kind::Cut: return new CutForm(document_, alike.back(), viewport());
+            if (handleOf(document_.document(), alike.back())) return new HandleForm(document_, alike.back(), host_);
+            return new FaceForm(document_, alike.back(), host_);
+        case Kind::Bone: return new BoneForm(document_, alike, host_);
+        case Kind::Character: return new WholeCharacterForm(document_, alike.back(), host_);
+        case Kind::Cut: return new CutForm(document_, alike.back(), host_);
         case Kind::Endpoint: break;
     }
-    return new EndpointForm(document_, alike.back(), viewport());
+    return new EndpointForm(document_, alike.back(), host_);
 }
 
 }  // namespace imomushi

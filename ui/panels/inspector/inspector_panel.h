@@ -35,6 +35,7 @@ private:
 
     StudioDocument& document_;
     std::vector<SelectionItem> shown_;
+    QWidget* host_;  ///< of the form
     InspectorForm* form_ = nullptr;
     bool built_ = false;      ///< the form is up to date in its rows, language and look
     bool scheduled_ = false;
