@@ -11,7 +11,6 @@
 #include "core/document/character_input.h"
 #include "core/joints/seam.h"
 #include "ui/render/decoded_textures.h"
-#include "ui/scene/rim.h"
 
 namespace imomushi {
 

@@ -10,6 +10,7 @@
 
 #include "core/session/session.h"
 #include "ui/render/scene_renderer.h"
+#include "ui/scene/rim.h"
 #include "ui/scene/seen_mesh.h"
 
 namespace imomushi {
