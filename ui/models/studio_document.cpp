@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ui/models/studio_document.h"
 
+#include <QScopeGuard>
+#include <QThreadPool>
 #include <algorithm>
 #include <utility>
 
@@ -24,6 +26,11 @@ bool changesMore(const CommandRegistry& registry, const Json& command) {
     if (name == command.end() || !name->is_string()) return false;
     const Command* known = registry.find(name->get_ref<const std::string&>());
     return known && ((known->changesDocument() && !known->pose) || known->name == "undo" || known->name == "redo");
+}
+
+bool replacesDocument(const Json& command) {
+    const auto name = command.find("do");
+    return name != command.end() && (*name == "new" || *name == "open");
 }
 
 /// Steps of a performance per second.
@@ -100,6 +107,12 @@ bool StudioDocument::exists(const SelectionItem& item) const {
 Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     const bool more = changesMore(session_.registry(), command);
     if (more) Q_EMIT changing();
+    // What a document that goes held is freed beside the window.
+    std::shared_ptr<const Project> gone;
+    if (replacesDocument(command)) attempt([&] { gone = std::make_shared<const Project>(session_.project()); });
+    const auto freed = qScopeGuard([&] {
+        if (gone) QThreadPool::globalInstance()->start([kept = std::move(gone)]() mutable { kept.reset(); });
+    });
     auto answer = session_.execute(command);
     if (more) Q_EMIT changeDone();
     if (!answer && !quiet) Q_EMIT failed(errorText(answer.error()));

@@ -15,8 +15,10 @@
 namespace imomushi {
 namespace {
 
-/// Directions that are tried around the normal, and how often the best of them is halved between its neighbours.
-constexpr int kDirections = 12, kRefinements = 3;
+/// Directions that are tried around the normal, and how often the best of them is halved between its neighbours. Those that are farthest from each other come first: one of them goes nearly
+/// across a limb, and no way that is longer is followed to its end.
+constexpr std::array kDirections{0, 6, 3, 9, 1, 7, 4, 10, 2, 8, 5, 11};
+constexpr int kRefinements = 3;
 /// How far below the surface the section that is meant is looked for, in diagonals: less than any limb is thick.
 constexpr double kBelow = 1e-3;
 /// A patch is a facet where its rim bends by this much on average; a sphere of 80 triangles bends by half of it.
@@ -102,8 +104,8 @@ std::optional<SectionFinder::Across> SectionFinder::across(const Vec3& point, co
             shortest = *length;
             best = angle;
         };
-        double step = std::numbers::pi / kDirections;
-        for (int k = 0; k < kDirections; ++k) offer(k * step);
+        double step = std::numbers::pi / double(kDirections.size());
+        for (const int k : kDirections) offer(k * step);
         if (!std::isfinite(shortest)) return best;
         for (int k = 0; k < kRefinements; ++k) {
             step *= 0.5;
@@ -135,12 +137,14 @@ std::optional<SectionFinder::Across> SectionFinder::across(const Vec3& point, co
 
 bool SectionFinder::isFacet(const JointFace& patch) const {
     double bend = 0.0, length = 0.0;
+    std::vector<char> within(std::size_t(surface_.mesh.triangles.rows()), 0);
+    for (const std::int32_t t : patch.triangles) within[std::size_t(t)] = 1;
     for (const std::int32_t t : patch.triangles)
         for (int k = 0; k < 3; ++k) {
             const int edge = surface_.edges.edgeOf(t, k);
             if (edge < 0) continue;
             for (const EdgeUse& use : surface_.edges.uses(edge)) {
-                if (use.triangle == t || std::binary_search(patch.triangles.begin(), patch.triangles.end(), use.triangle)) continue;
+                if (within[std::size_t(use.triangle)]) continue;
                 const Vec3 a = areaVector(surface_.mesh, t).stableNormalized(), b = areaVector(surface_.mesh, use.triangle).stableNormalized();
                 const double side = (surface_.mesh.vertices.row(use.low) - surface_.mesh.vertices.row(use.high)).norm();
                 bend += side * std::acos(std::clamp(a.dot(b), -1.0, 1.0));
