@@ -82,11 +82,10 @@ Json contents(const Session& session) {
 }
 
 /// Parents as the character sees them: what nobody gave is found from the joint points.
-void addFoundParents(SessionAccess& access, Json& answer) {
-    const auto planned = access.live.planOf(access.session.document());
-    if (!planned) return;
-    const CharacterPlan& plan = **planned;
-    const auto& bones = access.session.document().bones;
+void addFoundParents(Session& session, Json& answer) {
+    if (!session.builtCharacter()) return;
+    const CharacterPlan& plan = session.plan();
+    const auto& bones = session.document().bones;
     auto bone = bones.begin();  // lines are in the order of the document
     for (Json& line : answer["bones"]) {
         const int index = plan.boneIndex((bone++)->first);
@@ -115,14 +114,14 @@ Result<Json> open(SessionAccess& access, const Json& arguments, const Progress&)
     const bool copy = version || !dropped.empty();
     access.replace(std::move(project), original ? std::filesystem::path(original->get_ref<const std::string&>()) : copy ? std::filesystem::path() : path, !original && !copy, arguments);
     Json answer = contents(access.session);
-    addFoundParents(access, answer);
+    addFoundParents(access.session, answer);
     if (!dropped.empty()) answer["dropped"] = dropped;
     return answer;
 }
 
 Result<Json> list(SessionAccess& access, const Json&, const Progress&) {
     Json answer = contents(access.session);
-    addFoundParents(access, answer);
+    addFoundParents(access.session, answer);
     return answer;
 }
 

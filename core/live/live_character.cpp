@@ -436,6 +436,8 @@ void LiveCharacter::drop() noexcept {
 void LiveCharacter::replace() {
     knownPlans_.clear();
     former_.reset();
+    performance_.reset();
+    formerPerformance_.reset();
     positions_.clear();
     recording_.reset();
     valid_ = false;

@@ -14,6 +14,7 @@
 #include "core/document/take.h"
 #include "core/live/live_input.h"
 #include "tests/document/workbench.h"
+#include "tests/support/folder.h"
 
 using namespace imomushi;
 using namespace std::chrono_literals;
@@ -260,6 +261,20 @@ TEST_CASE("performance: bones are added, moved, limited and removed while others
     CHECK((heavier[0] - alone[0]).norm() < 1e-6);
     CHECK((heavier[1] - alone[1]).norm() < 0.5 * usual);
     CHECK((heavier[1] - heavier[0]).dot(alone[1] - alone[0]) > 0.5 * usual * usual);
+}
+
+TEST_CASE("performance: a project that is opened is at rest, also where its bones are numbered as those that swung before") {
+    const TestFolder folder;
+    Swinging s(false);
+    const Vec3 rest = s.at();
+    s.w.good({{"do", "save"}, {"path", folder.file("rest.imomushi")}});
+    s.pull(rest + Vec3(0.5, 0.4, 0.0));
+    for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+    REQUIRE((s.at() - rest).norm() > 0.01);
+    s.w.good({{"do", "open"}, {"path", folder.file("rest.imomushi")}});
+    CHECK((s.at() - rest).norm() < 1e-9);
+    for (int i = 0; i < 8; ++i) s.w.session.stepFrame(1.0 / kHertz);
+    CHECK((s.at() - rest).norm() < 1e-6);
 }
 
 TEST_CASE("performance: flesh that the ground has lifted stays where it is when an element far from it is edited") {
