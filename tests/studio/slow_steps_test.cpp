@@ -217,7 +217,7 @@ TEST_CASE("slow steps: several parts of a large character are removed beside the
     w.document().select({{SelectionItem::Kind::Cut, cuts[0].id, {}, false}, {SelectionItem::Kind::Cut, cuts[1].id, {}, false}});
     w.settle();
     const int before = w.position();
-    w.trigger("delete");
+    w.window().actions()["delete"]->trigger();
     CHECK(w.position() == before);
     w.wait();
     CHECK(w.character().cuts.empty());
