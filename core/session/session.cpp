@@ -350,7 +350,10 @@ void Session::tellOfMeetings() {
     tell(change);
 }
 
-void Session::perform(std::function<void()> stepped) { performer_ = std::make_unique<Performer>(*live_, std::move(stepped)); }
+void Session::perform(std::function<void()> stepped) {
+    performer_.reset();  // its steps end before another one touches the character
+    performer_ = std::make_unique<Performer>(*live_, std::move(stepped));
+}
 
 bool Session::give(const LiveInput& input) {
     if (!performer_ || !performer_->give(input)) return false;

@@ -2,7 +2,6 @@
 #include "ui/models/studio_document.h"
 
 #include <QScopeGuard>
-#include <QThreadPool>
 #include <algorithm>
 #include <utility>
 
@@ -111,7 +110,7 @@ Result<Json> StudioDocument::execute(const Json& command, bool quiet) {
     std::shared_ptr<const Project> gone;
     if (replacesDocument(command)) attempt([&] { gone = std::make_shared<const Project>(session_.project()); });
     const auto freed = qScopeGuard([&] {
-        if (gone) QThreadPool::globalInstance()->start([kept = std::move(gone)]() mutable { kept.reset(); });
+        if (gone) freeing_ = std::jthread([kept = std::move(gone)]() mutable { kept.reset(); });
     });
     auto answer = session_.execute(command);
     if (more) Q_EMIT changeDone();

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "core/session/session.h"
@@ -157,6 +158,7 @@ private:
     std::map<PartId, Estimate> estimates_;
     std::vector<SelectionItem> selection_;
     std::optional<SelectionItem> hovered_;
+    std::jthread freeing_;  ///< what the document before this one held
 };
 
 }  // namespace imomushi
