@@ -89,7 +89,7 @@ Result<void> LiveCharacter::build() {
     shownTake_.reset();
     // Where flesh meets while a body moves, it goes on: only answers of its elements are others.
     const auto sameParts = [&](const KnownPlan& k) { return k.elements == document().elements && k.joints == document().joints && k.bones == document().bones; };
-    if (!waitsToMeet(document().effects, EffectKind::Contact) || knownPlans_.empty() || !sameParts(knownPlans_.back())) formerPerformance_ = std::exchange(performance_, std::nullopt);
+    if (performance_ && (!waitsToMeet(document().effects, EffectKind::Contact) || knownPlans_.empty() || !sameParts(knownPlans_.back()))) formerPerformance_ = std::exchange(performance_, std::nullopt);
     const auto planned = planOf(document());
     if (!planned) {
         character_.reset();
@@ -384,6 +384,7 @@ Result<void> LiveCharacter::follow(const Document& before) {
         const auto was = planOf(before), is = planOf(document());
         if (!is) return tl::unexpected(is.error());
         valid_ = false;
+        if (performance_) formerPerformance_ = std::exchange(performance_, std::nullopt);  // it is of the skeleton before
         if (followSkeleton(history_.edit(), was ? was->get() : nullptr, **is))
             if (const auto solved = converge(); !solved) return tl::unexpected(solved.error());
     } else if (changesCharacter(change, document())) {
@@ -429,6 +430,7 @@ void LiveCharacter::drop() noexcept {
     character_.reset();
     former_.reset();
     performance_.reset();
+    formerPerformance_.reset();
     shownTake_.reset();
     positions_.clear();
 }

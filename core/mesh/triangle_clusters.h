@@ -20,7 +20,7 @@ public:
     explicit TriangleClusters(const TriangleMesh& mesh);
 
     /// Calls visit(low, high, triangles) for each cluster in its order, with its box by where vertices are now, m, until it answers false. at(vertex): a vector of floats or doubles;
-    /// at.wide(vertex), where there is one: the same as an array of four floats of which the last is anything, which is read three times as fast.
+    /// at.wide(vertex), where there is one: the same as an array of four floats of which the last is anything, which a processor reads at once.
     template <class At, class Visit>
     void forEach(const At& at, const Visit& visit) const {
         for (std::size_t c = 0; c + 1 < firstVertex_.size(); ++c) {

@@ -114,6 +114,7 @@ public:
         std::map<PartId, ContentKey> keys;          ///< of elements with joint faces
         std::map<PartId, SharedResponse> shared;
     };
+    /// What follows from a document and takes time to find: the keys of its elements, and who shares a response.
     struct Derived {
         std::map<PartId, Known> known;
         Sharing sharing;

@@ -24,12 +24,13 @@ public:
     };
     /// Errors: those of findSection().
     [[nodiscard]] Result<Outline> at(const CutPlane& plane) const;
-    /// The plane through a point of the surface and its normal there that crosses the flesh on the shortest way round, which is across a limb. Its front is away from the
-    /// middle of the body. `triangle`: in which the point lies, which is quicker; -1: it is not known. None: no plane there cuts.
+    /// A plane that cuts.
     struct Across {
         CutPlane plane;
         Outline outline;  ///< of its section
     };
+    /// The plane through a point of the surface and its normal there that crosses the flesh on the shortest way round, which is across a limb. Its front is away from the
+    /// middle of the body. `triangle`: in which the point lies, which is quicker; -1: it is not known. None: no plane there cuts.
     [[nodiscard]] std::optional<Across> across(const Vec3& point, const Vec3& normal, std::int32_t triangle = -1) const;
     /// The loops of an outline, where `place(vertex)` says where vertices of the body are.
     template <class Place>

@@ -35,13 +35,13 @@ struct OwnScene {
     std::vector<std::vector<float>> numbers;
 };
 
-Result<void> draw(const render::Scene& scene, QSize size, QSize cut, const std::string& path, const Progress& progress) {
+Result<void> draw(const render::Scene& scene, QSize size, QSize crop, const std::string& path, const Progress& progress) {
     auto rows = render::drawOffscreen(scene, size.width(), size.height());
     if (!rows) return tl::unexpected(rows.error());
     if (progress.cancelled()) return {};
-    if (!cut.isValid()) return render::writePng(path, *rows, size.width(), size.height());
+    if (!crop.isValid()) return render::writePng(path, *rows, size.width(), size.height());
     std::vector<std::uint8_t> middle;
-    const QSize kept = cut.boundedTo(size), edge = (size - kept) / 2;
+    const QSize kept = crop.boundedTo(size), edge = (size - kept) / 2;
     for (int y = 0; y < kept.height(); ++y) {
         const auto row = rows->begin() + 4 * (std::ptrdiff_t(edge.height() + y) * size.width() + edge.width());
         middle.insert(middle.end(), row, row + 4 * std::ptrdiff_t(kept.width()));
@@ -51,10 +51,10 @@ Result<void> draw(const render::Scene& scene, QSize size, QSize cut, const std::
 
 }  // namespace
 
-void PictureJob::start(const render::Scene& scene, QSize size, const QString& path, Done done, QSize cut) {
+void PictureJob::start(const render::Scene& scene, QSize size, const QString& path, Done done, QSize crop) {
     cancel();
     auto result = std::make_shared<Result<void>>();
-    launch([result, own = std::make_shared<const OwnScene>(scene), size, cut, file = path.toStdString()](const Progress& progress) { *result = draw(own->scene, size, cut, file, progress); },
+    launch([result, own = std::make_shared<const OwnScene>(scene), size, crop, file = path.toStdString()](const Progress& progress) { *result = draw(own->scene, size, crop, file, progress); },
            [result, done = std::move(done)] { done(*result); });
 }
 

@@ -19,9 +19,9 @@ public:
     /// Errors: "no-opengl", "bad-size", "out-of-memory", "not-writable", "disk-full".
     using Done = std::function<void(const Result<void>&)>;
 
-    /// `scene`: what it points to is copied; the processor deforms it (without a `deformInput`). `size`: pixels. `cut`: of the picture, its middle is kept; none: all of it. `done` is not
+    /// `scene`: what it points to is copied; the processor deforms it (without a `deformInput`). `size`: pixels. `crop`: so much of the middle of the picture is kept; none: all of it. `done` is not
     /// called where it is cancelled. What was being drawn is given up.
-    void start(const render::Scene& scene, QSize size, const QString& path, Done done, QSize cut = {});
+    void start(const render::Scene& scene, QSize size, const QString& path, Done done, QSize crop = {});
 };
 
 }  // namespace imomushi
